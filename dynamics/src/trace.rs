@@ -1,0 +1,141 @@
+//! Traces: everything a dynamic run recorded, one row per control step.
+//!
+//! Row `k` holds the state at `k / rate_hz` and the forces that acted during the step that led to it,
+//! so that `momentum[k] − momentum[k−1] = (m g + Σ contacts[k] + root_wrench[k]) / rate_hz`. Row 0
+//! is the start: its forces are zero. SI units, world frame unless said; layouts of `q` and `v` are
+//! those of [`motion::skeleton`].
+
+use std::sync::Arc;
+
+use motion::{Clip, Vec3};
+
+use crate::Character;
+
+/// What holds the root.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum RootMode {
+    /// Nothing but muscles and contacts.
+    Free,
+    /// A root wrench with a hard budget towards the kinematic path.
+    Assisted {
+        /// Largest force, N.
+        force_n: f64,
+        /// Largest moment, N·m.
+        moment_nm: f64,
+    },
+    /// The root follows the kinematic path; only the limbs are dynamic.
+    Pinned,
+}
+
+/// Force at one contact point during one step.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ContactSample {
+    /// Row of the trace.
+    pub row: usize,
+    /// Link that touches the ground.
+    pub link: usize,
+    /// Point of contact, world, m.
+    pub point: Vec3,
+    /// Force on the body, mean over the step, world, N.
+    pub force: Vec3,
+    /// Depth of penetration, m (negative when apart).
+    pub depth: f64,
+}
+
+/// What a dynamic run recorded. See the module header.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Trace {
+    /// The body.
+    pub character: Arc<Character>,
+    /// Control steps per second, Hz.
+    pub rate_hz: f64,
+    /// Substeps of the engine per control step.
+    pub substeps: usize,
+    /// What held the root.
+    pub root: RootMode,
+    /// Height of the ground plane, m; `None` without ground.
+    pub ground_m: Option<f64>,
+    /// Gravity, m/s².
+    pub gravity: Vec3,
+    /// Poses, `rows × nq`.
+    pub q: Vec<f64>,
+    /// Velocities, `rows × nv`.
+    pub v: Vec<f64>,
+    /// Poses asked for (edited, limits applied), `rows × nq`.
+    pub target: Vec<f64>,
+    /// Actuator torques (springs and dampers), `rows × nv`, N·m; root entries zero.
+    pub torque: Vec<f64>,
+    /// Gain of the spring towards the lower set point, `rows × nv`, N·m/rad.
+    pub k_lo: Vec<f64>,
+    /// Gain of the spring towards the upper set point, `rows × nv`, N·m/rad.
+    pub k_hi: Vec<f64>,
+    /// Damping, `rows × nv`, N·m·s/rad.
+    pub kd: Vec<f64>,
+    /// Contacts of all rows, in order of row.
+    pub contacts: Vec<ContactSample>,
+    /// Wrench on the root from outside (assist or pin), `rows × 6`: force (N), moment about the
+    /// root's origin (N·m).
+    pub root_wrench: Vec<f64>,
+    /// Centre of mass, `rows × 3`, m.
+    pub com: Vec<f64>,
+    /// Momentum, `rows × 6`: linear (N·s), angular about the centre of mass (N·m·s).
+    pub momentum: Vec<f64>,
+    /// Kinetic and potential energy, `rows × 2`, J; potential from height zero.
+    pub energy: Vec<f64>,
+    /// Wall time of the run, s. Not written to files: it would break their determinism.
+    pub wall_s: f64,
+}
+
+impl Trace {
+    /// Rows recorded.
+    pub fn rows(&self) -> usize {
+        self.q.len() / self.character.skeleton.nq()
+    }
+
+    /// Pose of a row.
+    pub fn pose(&self, row: usize) -> &[f64] {
+        let n = self.character.skeleton.nq();
+        &self.q[row * n..(row + 1) * n]
+    }
+
+    /// Pose asked for in a row.
+    pub fn target_pose(&self, row: usize) -> &[f64] {
+        let n = self.character.skeleton.nq();
+        &self.target[row * n..(row + 1) * n]
+    }
+
+    /// The motion performed, at the rate of the trace.
+    pub fn clip(&self) -> Clip {
+        Clip::new(self.character.skeleton.clone(), self.rate_hz, self.q.clone())
+    }
+
+    /// The motion asked for, at the rate of the trace.
+    pub fn target_clip(&self) -> Clip {
+        Clip::new(self.character.skeleton.clone(), self.rate_hz, self.target.clone())
+    }
+
+    /// Centre of mass of a row, m.
+    pub fn com_at(&self, row: usize) -> Vec3 {
+        motion::skeleton::vec_at(&self.com, 3 * row)
+    }
+
+    /// Sum of the contact forces of each row, N.
+    pub fn contact_sums(&self) -> Vec<Vec3> {
+        let mut sums = vec![Vec3::zeros(); self.rows()];
+        for c in &self.contacts {
+            sums[c.row] += c.force;
+        }
+        sums
+    }
+
+    /// Centre of pressure of a row on the ground plane, m; `None` without load.
+    pub fn cop(&self, row: usize) -> Option<Vec3> {
+        let first = self.contacts.partition_point(|c| c.row < row);
+        let (mut sum, mut at) = (0.0, Vec3::zeros());
+        for c in self.contacts[first..].iter().take_while(|c| c.row == row) {
+            sum += c.force.y;
+            at += c.point * c.force.y;
+        }
+        (sum > 1.0).then(|| at / sum)
+    }
+}
