@@ -6,10 +6,19 @@
 //! | module | holds |
 //! |---|---|
 //! | [`character`] | mass, inertia, shapes and contact points on a skeleton |
+//! | [`model`] | a character compiled for dynamics, and its world-frame state |
+//! | [`rnea`] | inverse dynamics with outside wrenches |
+//! | [`inertia`] | mass matrix, momentum, energy, gravity stiffness |
 //! | [`trace`] | what a dynamic run recorded |
 
 pub mod character;
+pub mod inertia;
+pub mod model;
+pub mod rnea;
 pub mod trace;
 
 pub use character::{Body, Character, CharacterError, JointClass};
+pub use inertia::Momentum;
+pub use model::{Model, MovingBody, State};
+pub use rnea::Wrench;
 pub use trace::{ContactSample, RootMode, Trace};
