@@ -10,6 +10,7 @@
 //! | [`clip`] | uniformly sampled poses |
 //! | [`shape`] | capsules, boxes, balls |
 //! | [`fk`] | forward kinematics |
+//! | [`support`] | convex hull of ground contacts, margin of a point |
 //!
 //! Units and frames: metres, radians, seconds; right-handed, Y up, +Z forward, +X to the left of
 //! the character.
@@ -19,12 +20,14 @@ pub mod fk;
 pub mod rotation;
 pub mod shape;
 pub mod skeleton;
+pub mod support;
 
 pub use clip::Clip;
 pub use fk::Kinematics;
 pub use rotation::{EulerOrder, Quat, Vec3};
 pub use shape::Shape;
 pub use skeleton::{BallLimits, Joint, Limb, LimbKind, Limits, Link, Range, Site, Skeleton, SkeletonError};
+pub use support::Support;
 
 /// A rigid transform; `world_from_link` maps points of the link into the world.
 pub type Transform = nalgebra::Isometry3<f64>;
