@@ -7,9 +7,11 @@
 //! |---|---|
 //! | [`character`] | mass, inertia, shapes and contact points on a skeleton |
 //! | [`trace`] | what a dynamic run recorded |
+//! | [`trace_npz`] | a trace as numpy arrays |
 
 pub mod character;
 pub mod trace;
+pub mod trace_npz;
 
 pub use character::{Body, Character, CharacterError, JointClass};
 pub use trace::{ContactSample, RootMode, Trace};
