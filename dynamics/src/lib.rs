@@ -10,12 +10,14 @@
 //! | [`rnea`] | inverse dynamics with outside wrenches |
 //! | [`inertia`] | mass matrix, momentum, energy, gravity stiffness |
 //! | [`trace`] | what a dynamic run recorded |
+//! | [`trace_npz`] | a trace as numpy arrays |
 
 pub mod character;
 pub mod inertia;
 pub mod model;
 pub mod rnea;
 pub mod trace;
+pub mod trace_npz;
 
 pub use character::{Body, Character, CharacterError, JointClass};
 pub use inertia::Momentum;

@@ -8,23 +8,40 @@
 //! | [`rotation`] | quaternion logarithm and exponential, swing and twist, Euler orders |
 //! | [`skeleton`] | links, joints, limits, sites, limbs |
 //! | [`clip`] | uniformly sampled poses |
+//! | [`curve`] | named transition curves |
+//! | [`dof`] | degrees of freedom as scripts name them, and their values |
+//! | [`track`] | transition-element tracks: the editable form of a motion |
+//! | [`script`] | actions, cycles, poses: the written form of a motion |
 //! | [`shape`] | capsules, boxes, balls |
 //! | [`fk`] | forward kinematics |
+//! | [`names`] | the nearest known name, for error messages |
+//! | [`support`] | convex hull of ground contacts, margin of a point |
 //!
 //! Units and frames: metres, radians, seconds; right-handed, Y up, +Z forward, +X to the left of
 //! the character.
 
 pub mod clip;
+pub mod curve;
+pub mod dof;
 pub mod fk;
+pub mod names;
 pub mod rotation;
+pub mod script;
 pub mod shape;
 pub mod skeleton;
+pub mod track;
+pub mod support;
 
 pub use clip::Clip;
+pub use curve::Curve;
+pub use dof::{Dof, Value};
 pub use fk::Kinematics;
 pub use rotation::{EulerOrder, Quat, Vec3};
+pub use script::{Script, ScriptError};
 pub use shape::Shape;
 pub use skeleton::{BallLimits, Joint, Limb, LimbKind, Limits, Link, Range, Site, Skeleton, SkeletonError};
+pub use track::{Element, Label, Track, Tracks};
+pub use support::Support;
 
 /// A rigid transform; `world_from_link` maps points of the link into the world.
 pub type Transform = nalgebra::Isometry3<f64>;
