@@ -4,7 +4,8 @@
 //! `K = k_lo + k_hi` resting at `(k_lo lo + k_hi hi) / K`: the torque is `K (rest − θ) − k_d θ̇`, for a
 //! ball `K log(R_rest Rᵀ) − k_d ω`. Torques along the joint's zero frame.
 
-use motion::rotation::log;
+use dynamics::Model;
+use motion::rotation::{log, slerp};
 use motion::skeleton::{quat_at, vec_at};
 use motion::{Joint, Quat, Vec3};
 
@@ -17,6 +18,27 @@ pub enum Rest {
     Ball(Quat),
     /// The joint is not actuated: a free root, a weld.
     None,
+}
+
+/// Where the joint of a moving body is in the pose `q`.
+pub fn rest_of(model: &Model, body: usize, q: &[f64]) -> Rest {
+    let b = &model.bodies[body];
+    match b.joint {
+        Joint::Revolute(_) | Joint::Prismatic(_) => Rest::Scalar(q[b.q_at]),
+        Joint::Spherical => Rest::Ball(quat_at(q, b.q_at)),
+        Joint::Free | Joint::Fixed => Rest::None,
+    }
+}
+
+impl Rest {
+    /// Rest between `self` and `other` at the fraction `s`: linear, or slerp.
+    pub fn blend(&self, other: &Rest, s: f64) -> Rest {
+        match (self, other) {
+            (Rest::Scalar(a), Rest::Scalar(b)) => Rest::Scalar(a + (b - a) * s),
+            (Rest::Ball(a), Rest::Ball(b)) => Rest::Ball(slerp(a, b, s)),
+            _ => *other,
+        }
+    }
 }
 
 /// One joint's spring and damper for one step. See the module header.

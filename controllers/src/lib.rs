@@ -2,8 +2,14 @@
 //!
 //! | module | holds |
 //! |---|---|
+//! | [`antagonist`] | pairs of springs: gains, least tension, set points |
+//! | [`tension`] | from dimensionless tension to stiffness and damping |
 //! | [`drive`] | what a muscle pair asks of its joint in one step |
 
+pub mod antagonist;
 pub mod drive;
+pub mod tension;
 
-pub use drive::{Drive, Rest};
+pub use antagonist::{Antagonist, HoldError, SetPoints};
+pub use drive::{Drive, Rest, rest_of};
+pub use tension::{Need, StanceLeg, TensionScale};

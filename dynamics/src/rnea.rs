@@ -114,12 +114,12 @@ impl State {
     }
 }
 
-/// The angular part of a joint's generalised force, or the hinge's, as a vector along its zero frame.
-pub fn joint_moment(joint: &Joint, tau: &[f64], at: usize) -> Vec3 {
+/// A joint's own generalised force: a ball's moment along its zero frame; for hinges and slides the
+/// torque or force along the axis, in `.x`; zero for free and welded joints.
+pub fn joint_force(joint: &Joint, tau: &[f64], at: usize) -> Vec3 {
     match joint {
-        Joint::Free => vec_at(tau, at + 3),
         Joint::Spherical => vec_at(tau, at),
-        Joint::Revolute(axis) => axis * tau[at],
-        Joint::Prismatic(_) | Joint::Fixed => Vec3::zeros(),
+        Joint::Revolute(_) | Joint::Prismatic(_) => Vec3::x() * tau[at],
+        Joint::Free | Joint::Fixed => Vec3::zeros(),
     }
 }
