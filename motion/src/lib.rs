@@ -16,6 +16,7 @@
 //! | [`fk`] | forward kinematics |
 //! | [`names`] | the nearest known name, for error messages |
 //! | [`support`] | convex hull of ground contacts, margin of a point |
+//! | [`format`] | BVH and other files |
 //!
 //! Units and frames: metres, radians, seconds; right-handed, Y up, +Z forward, +X to the left of
 //! the character.
@@ -25,6 +26,7 @@ pub mod curve;
 pub mod dof;
 pub mod fk;
 pub mod names;
+pub mod format;
 pub mod rotation;
 pub mod script;
 pub mod shape;
