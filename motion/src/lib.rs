@@ -14,6 +14,7 @@
 //! | [`script`] | actions, cycles, poses: the written form of a motion |
 //! | [`shape`] | capsules, boxes, balls |
 //! | [`fk`] | forward kinematics |
+//! | [`ik`] | two-bone limbs to a target |
 //! | [`names`] | the nearest known name, for error messages |
 //!
 //! Units and frames: metres, radians, seconds; right-handed, Y up, +Z forward, +X to the left of
@@ -23,6 +24,7 @@ pub mod clip;
 pub mod curve;
 pub mod dof;
 pub mod fk;
+pub mod ik;
 pub mod names;
 pub mod rotation;
 pub mod script;
