@@ -14,6 +14,7 @@
 //! | [`script`] | actions, cycles, poses: the written form of a motion |
 //! | [`shape`] | capsules, boxes, balls |
 //! | [`fk`] | forward kinematics |
+//! | [`ik`] | two-bone limbs to a target |
 //! | [`names`] | the nearest known name, for error messages |
 //! | [`support`] | convex hull of ground contacts, margin of a point |
 //! | [`format`] | BVH and other files |
@@ -25,6 +26,7 @@ pub mod clip;
 pub mod curve;
 pub mod dof;
 pub mod fk;
+pub mod ik;
 pub mod names;
 pub mod format;
 pub mod rotation;
