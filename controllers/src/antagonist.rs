@@ -13,7 +13,7 @@
 //! [NF02] Neff, Fiume. Modeling tension and relaxation for computer animation, SCA 2002.
 
 use motion::rotation::exp;
-use motion::{BallLimits, Joint, Limits, Quat, Range, Vec3};
+use motion::{BallLimits, Joint, Limits, Range, Vec3};
 use thiserror::Error;
 
 use crate::Rest;
@@ -144,10 +144,9 @@ impl SetPoints {
             (Joint::Spherical, Some(Limits::Ball(b))) => {
                 Self::Ball(BallLimits { axes: b.axes, ranges: b.ranges.map(|r| widen(&r)) })
             }
-            (Joint::Spherical, _) => Self::Ball(BallLimits {
-                axes: [Vec3::x(), Vec3::y(), Vec3::z()],
-                ranges: [free; 3],
-            }),
+            (Joint::Spherical, _) => {
+                Self::Ball(BallLimits { axes: [Vec3::x(), Vec3::y(), Vec3::z()], ranges: [free; 3] })
+            }
             _ => Self::None,
         }
     }
@@ -165,14 +164,10 @@ impl SetPoints {
                 let length = shift.norm();
                 let cap = std::f64::consts::FRAC_PI_2;
                 let shift = if length > cap { shift * (cap / length) } else { shift };
-                Rest::Ball(self.bound(set, exp(&shift) * r))
+                Rest::Ball(set.clamp(&(exp(&shift) * r)))
             }
             _ => Rest::None,
         }
-    }
-
-    fn bound(&self, set: &BallLimits, r: Quat) -> Quat {
-        set.clamp(&r)
     }
 
     /// Least stiffness that holds `target` against `load` with pulling springs only, N·m/rad.
@@ -185,9 +180,7 @@ impl SetPoints {
                 let phi = set.coords(r);
                 let swing = exp(&(set.axes[0] * phi[0] + set.axes[1] * phi[1]));
                 let axes = [set.axes[0], set.axes[1], swing * set.axes[2]];
-                (0..3)
-                    .map(|i| least_for_load(set.ranges[i], phi[i], load.dot(&axes[i])))
-                    .fold(0.0, f64::max)
+                (0..3).map(|i| least_for_load(set.ranges[i], phi[i], load.dot(&axes[i]))).fold(0.0, f64::max)
             }
             _ => 0.0,
         }

@@ -19,7 +19,7 @@ use motion::{Joint, Limb, Vec3};
 use nalgebra::{DMatrix, DVector};
 
 use crate::antagonist::SetPoints;
-use crate::{Rest, rest_of};
+use crate::rest_of;
 
 /// Damping ratio ζ of every joint: k_d = 2 ζ √(K I_eff).
 ///
@@ -135,9 +135,8 @@ fn least_for_stability(model: &Model, state: &mut State, stance: &[StanceLeg]) -
     state.gravity_stiffness(model, &mut h);
     let in_leg = |b: usize| stance.iter().any(|l| l.bodies.contains(&b));
     let mut out = vec![0.0; model.bodies.len()];
-    let upper: Vec<usize> = (0..model.bodies.len())
-        .filter(|&i| actuated(&model.bodies[i].joint) && !in_leg(i))
-        .collect();
+    let upper: Vec<usize> =
+        (0..model.bodies.len()).filter(|&i| actuated(&model.bodies[i].joint) && !in_leg(i)).collect();
     scale_up(model, &h, &upper, &mut out);
     for leg in stance {
         h.fill(0.0);
@@ -170,9 +169,8 @@ fn scale_up(model: &Model, h: &DMatrix<f64>, bodies: &[usize], out: &mut [f64]) 
         let b = &model.bodies[i];
         dofs.extend((b.v_at..b.v_at + b.joint.nv()).map(|k| (k, d.sqrt())));
     }
-    let scaled = DMatrix::from_fn(dofs.len(), dofs.len(), |r, c| {
-        -h[(dofs[r].0, dofs[c].0)] / (dofs[r].1 * dofs[c].1)
-    });
+    let scaled =
+        DMatrix::from_fn(dofs.len(), dofs.len(), |r, c| -h[(dofs[r].0, dofs[c].0)] / (dofs[r].1 * dofs[c].1));
     let series = scaled.symmetric_eigenvalues().max();
     for (&i, d) in bodies.iter().zip(&floored) {
         // a lone inverted rod needs exactly its own d

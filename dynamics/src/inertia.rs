@@ -141,9 +141,8 @@ impl State {
         for (i, b) in model.bodies.iter().enumerate() {
             let s = &self.bodies[i];
             let origin = s.world.translation.vector;
-            let about = |(mass, com, inertia): (f64, Vec3, Matrix3<f64>)| {
-                inertia + point_inertia(mass, com - origin)
-            };
+            let about =
+                |(mass, com, inertia): (f64, Vec3, Matrix3<f64>)| inertia + point_inertia(mass, com - origin);
             let rest = about(self.composite[0]) - about(self.composite[i]);
             for_each_axis(b, &s.zero, |k, _, angular| out[k] = angular.dot(&(rest * angular)));
         }

@@ -76,8 +76,7 @@ impl Model {
                 let r = parent_from_zero.rotation.to_rotation_matrix();
                 let inertia = r.matrix() * source.inertia * r.matrix().transpose();
                 let b = &mut bodies[p];
-                (b.mass, b.com, b.inertia) =
-                    fuse((b.mass, b.com, b.inertia), (source.mass, com, inertia));
+                (b.mass, b.com, b.inertia) = fuse((b.mass, b.com, b.inertia), (source.mass, com, inertia));
                 body_of.push((p, parent_from_zero));
                 continue;
             }
@@ -117,10 +116,7 @@ impl Model {
 }
 
 /// Mass, centre of mass and inertia of two rigid bodies taken as one (parallel-axis theorem).
-pub fn fuse(
-    a: (f64, Vec3, Matrix3<f64>),
-    b: (f64, Vec3, Matrix3<f64>),
-) -> (f64, Vec3, Matrix3<f64>) {
+pub fn fuse(a: (f64, Vec3, Matrix3<f64>), b: (f64, Vec3, Matrix3<f64>)) -> (f64, Vec3, Matrix3<f64>) {
     let mass = a.0 + b.0;
     if mass == 0.0 {
         return a;
@@ -246,11 +242,7 @@ pub(crate) fn joint_motion(joint: &Joint, v: &[f64], at: usize) -> (Vec3, Vec3) 
 }
 
 /// Columns of a joint's motion subspace along world axes: calls `f(dof, linear, angular)` for each.
-pub(crate) fn for_each_axis(
-    body: &MovingBody,
-    zero: &Matrix3<f64>,
-    mut f: impl FnMut(usize, Vec3, Vec3),
-) {
+pub(crate) fn for_each_axis(body: &MovingBody, zero: &Matrix3<f64>, mut f: impl FnMut(usize, Vec3, Vec3)) {
     let none = Vec3::zeros();
     let at = body.v_at;
     let column = |k: usize| zero.column(k).into_owned();

@@ -139,9 +139,8 @@ impl World {
                 b.mass,
                 rp::Matrix::from_cols_array_2d(&b.inertia.into()),
             );
-            let handle = physics.insert_body(
-                builder.pose(pose(&world)).can_sleep(false).additional_mass_properties(mass),
-            );
+            let handle = physics
+                .insert_body(builder.pose(pose(&world)).can_sleep(false).additional_mass_properties(mass));
             handles.push(handle);
         }
         for (i, body) in character.bodies.iter().enumerate() {
@@ -171,9 +170,9 @@ impl World {
             };
             let parent_shift = b.parent.map_or(Vec3::zeros(), shift_of);
             let joint = joint(&b.joint, &b.parent_from_zero, parent_shift);
-            let handle = physics.insert_multibody_joint(parent, handles[i], joint).ok_or_else(|| {
-                WorldError::Joint(character.skeleton.links()[b.link].name.clone())
-            })?;
+            let handle = physics
+                .insert_multibody_joint(parent, handles[i], joint)
+                .ok_or_else(|| WorldError::Joint(character.skeleton.links()[b.link].name.clone()))?;
             any_joint = Some(handle);
         }
         let mut world = Self {
@@ -425,9 +424,7 @@ fn groups(own: rp::Group, other: rp::Group) -> rp::InteractionGroups {
 fn collider(shape: &Shape, frame: &Transform) -> rp::ColliderBuilder {
     let at = |p: &Vec3| to_glam((frame * nalgebra::Point3::from(*p)).coords);
     match shape {
-        Shape::Capsule { a, b, radius } => {
-            rp::ColliderBuilder::capsule_from_endpoints(at(a), at(b), *radius)
-        }
+        Shape::Capsule { a, b, radius } => rp::ColliderBuilder::capsule_from_endpoints(at(a), at(b), *radius),
         Shape::Sphere { center, radius } => rp::ColliderBuilder::ball(*radius).translation(at(center)),
         Shape::Box { center, half, rotation } => {
             let local = Transform::from_parts((*center).into(), *rotation);

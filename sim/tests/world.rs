@@ -105,8 +105,7 @@ fn a_pinned_root_carries_its_limbs() {
     let c = tree();
     let (q, v) = start(&c);
     let dt = 1e-6;
-    let mut world =
-        World::new(&c, WorldSettings { pinned: true, ..settings(1.0 / dt, 1) }, &q, &v).unwrap();
+    let mut world = World::new(&c, WorldSettings { pinned: true, ..settings(1.0 / dt, 1) }, &q, &v).unwrap();
     let model = Model::new(&c, Vec3::new(0.0, -9.81, 0.0));
     let mut state = State::new(&model);
     state.update(&model, &q, &v);
