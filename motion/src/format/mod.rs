@@ -7,6 +7,7 @@
 //! | module | holds |
 //! |---|---|
 //! | [`bvh`] | Biovision hierarchy: read, guess units and up axis, write |
+//! | [`glb`] | binary glTF 2.0: write skeleton, skinned solids, animation |
 
 use std::io::Write;
 use std::path::{Path, PathBuf};
@@ -14,6 +15,7 @@ use std::path::{Path, PathBuf};
 use thiserror::Error;
 
 pub mod bvh;
+pub mod glb;
 
 /// A file that could not be read or written.
 #[derive(Debug, Error)]

@@ -214,8 +214,9 @@ pub(super) fn of_joint<'a>(joint: &BvhJoint, frame: &'a [f64]) -> &'a [f64] {
     &frame[joint.channels_at..joint.channels_at + joint.channels.len()]
 }
 
-/// World origins of the joints in a frame; with `None` all channels are zero, and positions offsets.
-fn origins(bvh: &Bvh, frame: Option<&[f64]>) -> Vec<Vec3> {
+/// World rotations and origins of the joints in a frame; with `None` all channels are zero, and
+/// positions offsets.
+fn world(bvh: &Bvh, frame: Option<&[f64]>) -> Vec<(Quat, Vec3)> {
     let mut world: Vec<(Quat, Vec3)> = Vec::with_capacity(bvh.joints.len());
     for joint in &bvh.joints {
         let (turn, at) = match frame {
@@ -228,7 +229,7 @@ fn origins(bvh: &Bvh, frame: Option<&[f64]>) -> Vec<Vec3> {
         let (up, from) = joint.parent.map_or((Quat::identity(), Vec3::zeros()), |p| world[p]);
         world.push((up * turn, from + up * at));
     }
-    world.into_iter().map(|(_, at)| at).collect()
+    world
 }
 
 /// The head and the feet (or ankles), by name.
@@ -256,9 +257,9 @@ impl Landmarks {
     }
 
     /// From the mean of the feet to the head, unit length (zero if they coincide).
-    fn feet_to_head(&self, at: &[Vec3]) -> Vec3 {
-        let feet: Vec3 = self.feet.iter().map(|&f| at[f]).sum::<Vec3>() / self.feet.len() as f64;
-        (at[self.head] - feet).try_normalize(1e-12).unwrap_or_else(Vec3::zeros)
+    fn feet_to_head(&self, world: &[(Quat, Vec3)]) -> Vec3 {
+        let feet: Vec3 = self.feet.iter().map(|&f| world[f].1).sum::<Vec3>() / self.feet.len() as f64;
+        (world[self.head].1 - feet).try_normalize(1e-12).unwrap_or_else(Vec3::zeros)
     }
 }
 
@@ -273,11 +274,11 @@ fn height(bvh: &Bvh) -> (f64, bool) {
         })
         .collect();
     let Some(marks) = Landmarks::find(bvh) else {
-        let at = origins(bvh, None);
+        let at = world(bvh, None);
         let extent = |k: usize| {
             let (lo, hi) = at
                 .iter()
-                .fold((f64::INFINITY, f64::NEG_INFINITY), |(lo, hi), p| (lo.min(p[k]), hi.max(p[k])));
+                .fold((f64::INFINITY, f64::NEG_INFINITY), |(lo, hi), (_, p)| (lo.min(p[k]), hi.max(p[k])));
             hi - lo
         };
         return (extent(0).max(extent(1)).max(extent(2)), false);
@@ -295,24 +296,30 @@ fn height(bvh: &Bvh) -> (f64, bool) {
     let shared = to_head.iter().rev().zip(to_foot.iter().rev()).take_while(|(a, b)| a == b).count();
     let length = |path: &[usize]| path[..path.len() - shared].iter().map(|&j| bones[j].norm()).sum::<f64>();
 
-    // Beyond the head joint: the longest way down to a leaf. Below the ankle: the farthest along the shin.
-    let shin = bones[foot].try_normalize(1e-12).unwrap_or_else(Vec3::zeros);
+    // Beyond the head joint: the longest way to a leaf. Below the ankle: the farthest along the shin, in the
+    // first frame, because bones of some files point along X whatever they are.
+    let pose = world(bvh, (bvh.frames > 0).then(|| bvh.frame(0)));
+    let ankle = pose[foot].1;
+    let knee = bvh.joints[foot].parent.map_or(ankle, |p| pose[p].1);
+    let shin = (ankle - knee).try_normalize(1e-12).unwrap_or_else(Vec3::zeros);
     let (mut crown, mut sole) = (0.0f64, 0.0f64);
-    let mut beyond: Vec<Option<(f64, f64)>> = vec![None; bones.len()];
+    let mut beyond_head: Vec<Option<f64>> = vec![None; bones.len()];
+    let mut beyond_foot = vec![false; bones.len()];
     for (j, joint) in bvh.joints.iter().enumerate() {
-        beyond[j] = match joint.parent.and_then(|p| beyond[p]) {
-            _ if j == head || j == foot => Some((0.0, 0.0)),
-            Some((far, deep)) => Some((far + bones[j].norm(), deep + bones[j].dot(&shin))),
-            None => None,
+        let parent = joint.parent;
+        beyond_head[j] = if j == head {
+            Some(0.0)
+        } else {
+            parent.and_then(|p| beyond_head[p]).map(|far| far + bones[j].norm())
         };
-        let Some((far, deep)) = beyond[j] else { continue };
-        let is_head = chain(j).contains(&head);
-        let ends = joint.ends.iter().map(|&e| Vec3::from(e)).chain([Vec3::zeros()]);
-        for end in ends {
-            if is_head {
+        beyond_foot[j] = j == foot || parent.is_some_and(|p| beyond_foot[p]);
+        for end in joint.ends.iter().map(|&e| Vec3::from(e)).chain([Vec3::zeros()]) {
+            if let Some(far) = beyond_head[j] {
                 crown = crown.max(far + end.norm());
-            } else {
-                sole = sole.max(deep + end.dot(&shin));
+            }
+            if beyond_foot[j] {
+                let (turn, at) = &pose[j];
+                sole = sole.max((at + turn * end - ankle).dot(&shin));
             }
         }
     }
@@ -344,17 +351,17 @@ pub(super) fn up(bvh: &Bvh, stated: Option<Axis>) -> (UpAxis, bool) {
     if let Some(marks) = &marks {
         let count = bvh.frames.min(FRAMES);
         for i in 0..count {
-            mean += marks.feet_to_head(&origins(bvh, Some(bvh.frame(i * bvh.frames / count)))) / count as f64;
+            mean += marks.feet_to_head(&world(bvh, Some(bvh.frame(i * bvh.frames / count)))) / count as f64;
         }
     }
     let rest = marks.map_or_else(
         || {
             // Nothing is known by name: the zero pose is longest along its vertical axis.
-            let at = origins(bvh, None);
-            let far = |k: usize| at.iter().map(|p| (p[k] - at[0][k]).abs()).fold(0.0, f64::max);
+            let at = world(bvh, None);
+            let far = |k: usize| at.iter().map(|(_, p)| (p[k] - at[0].1[k]).abs()).fold(0.0, f64::max);
             Vec3::new(0.0, far(1), far(2))
         },
-        |m| m.feet_to_head(&origins(bvh, None)),
+        |m| m.feet_to_head(&world(bvh, None)),
     );
     let axis_of = |v: &Vec3| if v.z.abs() > v.y.abs() { Axis::Z } else { Axis::Y };
     let (axis, clear) = if mean == Vec3::zeros() {

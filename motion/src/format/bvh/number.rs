@@ -24,11 +24,9 @@ const MAX_DIGITS: usize = 19;
 pub(super) fn scan(text: &[u8], at: usize) -> Option<(f64, usize)> {
     let mut i = at;
     let mut negative = false;
-    if let Some(&c) = text.get(i) {
-        if c == b'-' || c == b'+' {
-            negative = c == b'-';
-            i += 1;
-        }
+    if let Some(&c @ (b'-' | b'+')) = text.get(i) {
+        negative = c == b'-';
+        i += 1;
     }
     let mut mantissa = 0u64;
     let whole_at = i;

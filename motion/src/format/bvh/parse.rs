@@ -129,7 +129,7 @@ pub enum BvhFault {
 /// What the values found amount to.
 fn rows(values: usize, channels: usize, odd_line: Option<(usize, usize)>) -> String {
     let mut text = format!("found {} whole frames", values / channels.max(1));
-    if values % channels.max(1) != 0 {
+    if !values.is_multiple_of(channels.max(1)) {
         text += &format!(" and {} values", values % channels.max(1));
     }
     if let Some((line, count)) = odd_line {
