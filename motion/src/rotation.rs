@@ -54,7 +54,8 @@ pub fn swing_twist(q: &Quat, axis: &Vec3) -> (Quat, Quat) {
 /// deterministically.
 pub fn between(from: &Vec3, to: &Vec3) -> Quat {
     let (a, b) = (from.normalize(), to.normalize());
-    let w = 1.0 + a.dot(&b);
+    // 1 + cos, without cancellation
+    let w = 0.5 * (a + b).norm_squared();
     if w < 1e-12 {
         let helper = if a.x.abs() < 0.5 { Vec3::x() } else { Vec3::y() };
         return Quat::from_axis_angle(&Unit::new_normalize(a.cross(&helper)), std::f64::consts::PI);
@@ -165,10 +166,10 @@ mod tests {
     #[test]
     fn between_takes_one_direction_to_the_other() {
         let from = Vec3::new(0.3, -0.8, 0.2);
-        for turn in [1e-12, 1e-8, 1e-3, 1.0, 3.0, 3.14, std::f64::consts::PI] {
+        for turn in [1e-12, 1e-8, 1e-3, 1.0, 3.0, std::f64::consts::PI - 1e-4, std::f64::consts::PI] {
             let to = exp(&(Vec3::new(0.2, 0.0, -0.3).normalize() * turn)) * from * 2.0;
             let error = (between(&from, &to) * from.normalize() - to.normalize()).norm();
-            assert!(error < 1e-12, "{turn}: {error}"); // 6e-14 seen, close to opposite
+            assert!(error < 1e-14, "{turn}: {error}"); // 4e-16 seen
         }
     }
 
