@@ -5,11 +5,17 @@
 //!
 //! | module | holds |
 //! |---|---|
+//! | [`anthropometry`] | a body for any human-like skeleton |
 //! | [`character`] | mass, inertia, shapes and contact points on a skeleton |
+//! | [`pose_map`] | poses between a clip's skeleton and a character's |
 //! | [`trace`] | what a dynamic run recorded |
 
+pub mod anthropometry;
 pub mod character;
+pub mod pose_map;
 pub mod trace;
 
+pub use anthropometry::{BodyOptions, BodyReport, GuessError, guess_body};
 pub use character::{Body, Character, CharacterError, JointClass};
+pub use pose_map::{PoseMap, PoseMapError};
 pub use trace::{ContactSample, RootMode, Trace};
