@@ -5,14 +5,14 @@
 
 use std::sync::Arc;
 
-use motion::{Limb, LimbKind, Shape, Skeleton, Vec3};
+use motion::{Joint, Limb, LimbKind, Shape, Skeleton, Vec3};
 use nalgebra::Matrix3;
 use thiserror::Error;
 
 /// Mass and shape of one link.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Body {
-    /// Mass, kg; zero only for a link that chains several joints between two bodies.
+    /// Mass, kg; zero only for a welded link, or one that chains several joints between two bodies.
     pub mass: f64,
     /// Centre of mass in the link's frame, m.
     pub com: Vec3,
@@ -113,7 +113,7 @@ impl Character {
     ///
     /// # Errors
     /// See [`CharacterError`]. A massless link is allowed if its joint moves and some link it carries
-    /// has mass.
+    /// has mass; so is a welded one, whose mass is its parent's.
     pub fn check(self) -> Result<Self, CharacterError> {
         let links = self.skeleton.links();
         if self.bodies.len() != links.len() || self.classes.len() != links.len() {
@@ -127,7 +127,9 @@ impl Character {
         }
         for (i, body) in self.bodies.iter().enumerate() {
             let link = &links[i].name;
-            if body.mass == 0.0 && body.inertia == Matrix3::zeros() && self.carries_mass(i) {
+            let welded = i > 0 && links[i].joint == Joint::Fixed;
+            let massless = body.mass == 0.0 && body.inertia == Matrix3::zeros();
+            if massless && (welded || self.carries_mass(i)) {
                 continue;
             }
             let positive = body.mass > 0.0 && body.mass.is_finite();

@@ -1,0 +1,272 @@
+//! Ranges of motion, in the joint coordinates of any skeleton.
+//!
+//! In: roles and the neutral pose. Out: [`motion::Limits`] relative to the file's zero pose.
+//!
+//! The published ranges are means of healthy people moving slowly: [BA79] (109 men and boys, active,
+//! goniometer) for the limbs, [AAOS] for the spine, [Inm44] for the collar bone. Dancers, acrobats and
+//! marker noise exceed them, so each has an *allowance* which is added at both ends; for the limits
+//! shape what the body is asked to do, and clamping a real motion is worse than allowing a bit much.
+//!
+//! # Coordinates
+//!
+//! Ranges are stated for the left side as swing about two axes and twist about the bone
+//! ([`motion::BallLimits`]) from a *centre*: the neutral pose, or for shoulders the arm straight
+//! sideways, palm down. The right side is the mirror image: coordinates about `left` stay, those about
+//! `up`, `front` and the bone change sign. A skeleton whose zero pose is the centre gets the ranges as
+//! they stand; any other gets the smallest box that holds them about its own zero.
+//!
+//! [BA79] D. C. Boone, S. P. Azen. Normal range of motion of joints in male subjects. J. Bone Joint
+//! Surg. 61-A, 756–759, 1979.
+//! [AAOS] American Academy of Orthopaedic Surgeons. Joint motion: method of measuring and recording. 1965.
+//! [Inm44] V. T. Inman, J. B. Saunders, L. C. Abbott. Observations on the function of the shoulder
+//! joint. J. Bone Joint Surg. 26, 1–30, 1944.
+
+use std::f64::consts::PI;
+
+use motion::rotation::{exp, log};
+use motion::{BallLimits, Joint, Limits, Quat, Range, Skeleton, Vec3};
+
+use super::aliases::{Anatomy, Role, Side};
+use super::frame::{Neutral, UP};
+
+/// Range of one coordinate, degrees, left side: published ends and what is added to each.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Rom {
+    /// Published lower and upper end.
+    pub published: [f64; 2],
+    /// Added at both ends.
+    pub allowance: f64,
+}
+
+const fn rom(lo: f64, hi: f64, allowance: f64) -> Rom {
+    Rom { published: [lo, hi], allowance }
+}
+
+impl Rom {
+    fn widened(self, n: f64) -> [f64; 2] {
+        // A column of n joints shares its range. Real spines do not share it evenly: a quarter more.
+        let share = if n > 1.0 { 1.25 / n } else { 1.0 };
+        [(self.published[0] - self.allowance) * share, (self.published[1] + self.allowance) * share]
+    }
+}
+
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Axis {
+    Left,
+    Up,
+    Front,
+}
+
+/// How a kind of joint may move, left side: two swings and the twist.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Ball {
+    /// Direction of the bone at the centre.
+    bone: Bone,
+    axes: [Axis; 2],
+    ranges: [Rom; 3],
+}
+
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Bone {
+    /// As the neutral pose has it.
+    Own,
+    /// Sideways: the arm lifted by 90°.
+    Sideways,
+    /// Forward, whatever the bone: the foot.
+    Front,
+}
+
+/// Hinge flexion of elbow and knee, degrees: [BA79] 142.9 and 142.5, with an allowance.
+pub const HINGE_DEG: [f64; 2] = [0.0, 150.0];
+
+fn ball(role: Role) -> Option<Ball> {
+    use Axis::{Front, Left, Up};
+    Some(match role {
+        // + about left bends forward; [AAOS] thoracic and lumbar spine together
+        Role::Spine => Ball {
+            bone: Bone::Own,
+            axes: [Left, Front],
+            ranges: [rom(-25.0, 80.0, 30.0), rom(-35.0, 35.0, 20.0), rom(-45.0, 45.0, 20.0)],
+        },
+        // [AAOS] cervical spine; neck joints and head share it
+        Role::Neck | Role::Head => Ball {
+            bone: Bone::Own,
+            axes: [Left, Front],
+            ranges: [rom(-45.0, 45.0, 30.0), rom(-45.0, 45.0, 20.0), rom(-60.0, 60.0, 25.0)],
+        },
+        // [Inm44]: protraction −, retraction + about up; elevation + about front; rotation about the bone
+        Role::Clavicle(_) => Ball {
+            bone: Bone::Own,
+            axes: [Up, Front],
+            ranges: [rom(-15.0, 15.0, 20.0), rom(-10.0, 40.0, 15.0), rom(-20.0, 50.0, 15.0)],
+        },
+        // [BA79] horizontal flexion 140.7 (−) and extension 45.4 about up; abduction 184.0 is 94.0 above
+        // sideways, hanging is 90 below it; external (−) 103.7 and internal 68.8 rotation
+        Role::UpperArm(_) => Ball {
+            bone: Bone::Sideways,
+            axes: [Up, Front],
+            ranges: [rom(-140.7, 45.4, 35.0), rom(-90.0, 94.0, 45.0), rom(-103.7, 68.8, 50.0)],
+        },
+        // flexion 142.9 (−) about left; supination 82.1 (−) and pronation 75.8 about the bone
+        Role::Forearm(_) => Ball {
+            bone: Bone::Own,
+            axes: [Left, Front],
+            ranges: [rom(-142.9, 0.6, 20.0), rom(0.0, 0.0, 40.0), rom(-82.1, 75.8, 30.0)],
+        },
+        // radial 21.5 (−) and ulnar 36.0 deviation about left; flexion 76.4 (−), extension 74.9 about front
+        Role::Hand(_) => Ball {
+            bone: Bone::Own,
+            axes: [Left, Front],
+            ranges: [rom(-21.5, 36.0, 20.0), rom(-76.4, 74.9, 20.0), rom(-82.1, 75.8, 40.0)],
+        },
+        // flexion 122.3 (−), extension 9.8 about left; adduction 26.9 (−), abduction 45.9 about front;
+        // external (−) 47.2, internal 47.3 rotation
+        Role::Thigh(_) => Ball {
+            bone: Bone::Own,
+            axes: [Left, Front],
+            ranges: [rom(-122.3, 9.8, 35.0), rom(-26.9, 45.9, 30.0), rom(-47.2, 47.3, 30.0)],
+        },
+        // flexion 142.5 (+); a rig's knee axis is never quite the anatomical one
+        Role::Shin(_) => Ball {
+            bone: Bone::Own,
+            axes: [Left, Front],
+            ranges: [rom(0.0, 142.5, 15.0), rom(0.0, 0.0, 25.0), rom(-10.0, 10.0, 25.0)],
+        },
+        // dorsiflexion 12.6 (−), plantar flexion 56.2 about left; inversion 36.8 (−), eversion 20.7 about front
+        Role::Foot(_) => Ball {
+            bone: Bone::Front,
+            axes: [Left, Up],
+            ranges: [rom(-12.6, 56.2, 30.0), rom(-10.0, 10.0, 30.0), rom(-36.8, 20.7, 20.0)],
+        },
+        Role::Pelvis | Role::Finger(_) | Role::Toe(_) | Role::Helper | Role::Other => return None,
+    })
+}
+
+/// Limits of the joint of `link`, relative to the skeleton's zero pose; `None` for joints without a
+/// published range (root, helpers) and for slides.
+pub fn joint_limits(
+    skeleton: &Skeleton,
+    anatomy: &Anatomy,
+    neutral: &Neutral,
+    link: usize,
+) -> Option<Limits> {
+    let role = anatomy.roles[link];
+    match skeleton.links()[link].joint {
+        Joint::Spherical => Some(Limits::Ball(ball_limits(skeleton, anatomy, neutral, link)?)),
+        Joint::Revolute(axis) => {
+            let bends = match role {
+                Role::Forearm(_) => -neutral.left,
+                Role::Shin(_) => neutral.left,
+                _ => return None,
+            };
+            let world = zero_in_neutral(skeleton, neutral, link) * axis;
+            let sign = world.dot(&bends).signum();
+            let [lo, hi] = HINGE_DEG.map(f64::to_radians);
+            let q0 = neutral_angle(skeleton, neutral, link, &axis);
+            Some(Limits::Axis(if sign > 0.0 {
+                Range::new(q0 + lo, q0 + hi)
+            } else {
+                Range::new(q0 - hi, q0 - lo)
+            }))
+        }
+        _ => None,
+    }
+}
+
+/// World rotation of the joint's zero frame while the parent is in its neutral pose.
+fn zero_in_neutral(skeleton: &Skeleton, neutral: &Neutral, link: usize) -> Quat {
+    let l = &skeleton.links()[link];
+    l.parent.map_or(Quat::identity(), |p| neutral.rotation[p]) * l.parent_from_zero.rotation
+}
+
+/// Joint rotation in the neutral pose.
+pub fn neutral_rotation(skeleton: &Skeleton, neutral: &Neutral, link: usize) -> Quat {
+    zero_in_neutral(skeleton, neutral, link).inverse() * neutral.rotation[link]
+}
+
+fn neutral_angle(skeleton: &Skeleton, neutral: &Neutral, link: usize, axis: &Vec3) -> f64 {
+    log(&neutral_rotation(skeleton, neutral, link)).dot(axis)
+}
+
+fn ball_limits(skeleton: &Skeleton, anatomy: &Anatomy, neutral: &Neutral, link: usize) -> Option<BallLimits> {
+    let role = anatomy.roles[link];
+    let kind = ball(role)?;
+    let mirror = role.side() == Some(Side::Right);
+    let shared = match role {
+        Role::Spine => anatomy.spine.len() as f64,
+        Role::Neck | Role::Head => anatomy.neck.len() as f64 + 1.0,
+        _ => 1.0,
+    };
+    let ranges: [[f64; 2]; 3] = std::array::from_fn(|k| {
+        let r = kind.ranges[k].widened(shared).map(f64::to_radians);
+        let flips = mirror && (k == 2 || kind.axes[k] != Axis::Left);
+        if flips { [-r[1], -r[0]] } else { r }
+    });
+
+    // The centre: world rotation of the link, and its bone and axes there.
+    let lift = match (kind.bone, role.side()) {
+        (Bone::Sideways, Some(side)) => exp(&(neutral.front * (side.sign() * 0.5 * PI))),
+        _ => Quat::identity(),
+    };
+    let center = lift * neutral.rotation[link];
+    let own = center * neutral.bone[link];
+    let bone = match kind.bone {
+        Bone::Front => neutral.front,
+        _ if own.norm() > 1e-6 => own.normalize(),
+        _ => UP,
+    };
+    let world = |a: Axis| match a {
+        Axis::Left => neutral.left,
+        Axis::Up => UP,
+        Axis::Front => neutral.front,
+    };
+    // Gram–Schmidt against the bone, which is only nearly normal to the body's axes.
+    let a0 = world(kind.axes[0]);
+    let a0 = (a0 - bone * a0.dot(&bone)).normalize();
+    let a1 = world(kind.axes[1]);
+    let a1 = (a1 - bone * a1.dot(&bone) - a0 * a1.dot(&a0)).normalize();
+
+    let to_zero = zero_in_neutral(skeleton, neutral, link).inverse();
+    let q_center = to_zero * center;
+    let about_center = BallLimits {
+        axes: [a0, a1, bone].map(|a| to_zero * a),
+        ranges: ranges.map(|r| Range::new(r[0].max(-BOUND), r[1].min(BOUND))),
+    };
+    Some(about_zero(&about_center, &q_center))
+}
+
+/// Ranges end short of ±π, where swing and twist are not unique.
+const BOUND: f64 = 179.0 * PI / 180.0;
+
+/// The limits `r` allows for `q · center⁻¹`, as a box of coordinates of `q`.
+///
+/// The axes are carried back by the centre, so that the bone stays the bone. Exact for a centre that
+/// is the identity, else the smallest box that holds a grid of 11³ allowed rotations.
+fn about_zero(r: &BallLimits, center: &Quat) -> BallLimits {
+    let mut out = BallLimits { axes: r.axes.map(|a| center.inverse() * a), ranges: r.ranges };
+    if log(center).norm() < 1e-9 {
+        return out;
+    }
+    const N: i32 = 10;
+    let mut lo = Vec3::repeat(f64::INFINITY);
+    let mut hi = -lo;
+    let at = |range: &Range, i: i32| range.lo + (range.hi - range.lo) * f64::from(i) / f64::from(N);
+    for i in 0..=N {
+        for j in 0..=N {
+            let (x, y) = (at(&r.ranges[0], i), at(&r.ranges[1], j));
+            if x.hypot(y) > BOUND {
+                continue; // beyond half a turn: another corner names the same rotation
+            }
+            for k in 0..=N {
+                let q = r.rotation(&Vec3::new(x, y, at(&r.ranges[2], k))) * center;
+                let phi = out.coords(&q);
+                lo = lo.inf(&phi);
+                hi = hi.sup(&phi);
+            }
+        }
+    }
+    for k in 0..3 {
+        out.ranges[k] = Range::new(lo[k].max(-BOUND), hi[k].min(BOUND));
+    }
+    out
+}

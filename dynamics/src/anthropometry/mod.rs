@@ -1,0 +1,27 @@
+//! Anthropometry: a body for any human-like skeleton.
+//!
+//! In: a [`motion::Skeleton`] whose links have human-like names. Out: a [`crate::Character`] with masses,
+//! inertias, shapes, limits and contact points, and a report of what was guessed. Tables are cited
+//! where they stand.
+//!
+//! | module | holds |
+//! |---|---|
+//! | [`aliases`] | joint names of common rigs → anatomical roles |
+//! | [`frame`] | the anatomical neutral pose of a skeleton |
+//! | [`segments`] | segment masses, centres and radii of gyration [deL96] |
+//! | [`limits`] | ranges of motion [BA79, AAOS] in the coordinates of a skeleton |
+//! | [`shapes`] | capsules and boxes that look like a body |
+//! | [`guess`] | all of them together |
+//! | [`human`] | the standard figure of the project |
+
+pub mod aliases;
+pub mod frame;
+pub mod guess;
+pub mod human;
+pub mod limits;
+pub mod segments;
+pub mod shapes;
+
+pub use aliases::{Anatomy, AnatomyError, Role, Side};
+pub use guess::{BodyOptions, BodyReport, GuessError, guess_body};
+pub use segments::Sex;
