@@ -18,8 +18,8 @@ pub mod anthropometry;
 pub mod character;
 pub mod inertia;
 pub mod model;
-pub mod rnea;
 pub mod pose_map;
+pub mod rnea;
 pub mod trace;
 pub mod trace_npz;
 
@@ -27,6 +27,6 @@ pub use anthropometry::{BodyOptions, BodyReport, GuessError, guess_body};
 pub use character::{Body, Character, CharacterError, JointClass};
 pub use inertia::Momentum;
 pub use model::{Model, MovingBody, State};
-pub use rnea::Wrench;
 pub use pose_map::{PoseMap, PoseMapError};
+pub use rnea::Wrench;
 pub use trace::{ContactSample, RootMode, Trace};

@@ -8,8 +8,11 @@
 //! |---|---|
 //! | [`world`] | the articulated body and the ground in rapier |
 //! | [`contacts`] | contact forces |
+//! | [`pass`] | a whole run, recorded |
 
 pub mod contacts;
+pub mod pass;
 pub mod world;
 
+pub use pass::{Outcome, Pass, PassError, Push};
 pub use world::{Ground, World, WorldError, WorldSettings};
