@@ -24,7 +24,7 @@ impl Clip {
     /// If the length is not a multiple of `nq`, or the rate is not positive and finite.
     pub fn new(skeleton: Arc<Skeleton>, rate_hz: f64, q: Vec<f64>) -> Self {
         assert!(rate_hz > 0.0 && rate_hz.is_finite(), "rate {rate_hz} Hz");
-        assert!(skeleton.nq() > 0 && q.len() % skeleton.nq() == 0, "{} numbers", q.len());
+        assert!(skeleton.nq() > 0 && q.len().is_multiple_of(skeleton.nq()), "{} numbers", q.len());
         Self { skeleton, rate_hz, q }
     }
 

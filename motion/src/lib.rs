@@ -10,12 +10,14 @@
 //! | [`clip`] | uniformly sampled poses |
 //! | [`shape`] | capsules, boxes, balls |
 //! | [`fk`] | forward kinematics |
+//! | [`format`] | BVH and other files |
 //!
 //! Units and frames: metres, radians, seconds; right-handed, Y up, +Z forward, +X to the left of
 //! the character.
 
 pub mod clip;
 pub mod fk;
+pub mod format;
 pub mod rotation;
 pub mod shape;
 pub mod skeleton;

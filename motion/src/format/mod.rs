@@ -1,0 +1,59 @@
+//! File formats: text and bytes to clips and back. Parsers only parse; guesses are made by importers
+//! and reported.
+//!
+//! In: paths, bytes. Out: [`Clip`](crate::Clip)s and reports; files. Degrees and file units stop at
+//! this border: inside are metres and radians.
+//!
+//! | module | holds |
+//! |---|---|
+//! | [`bvh`] | Biovision hierarchy: read, guess units and up axis, write |
+//! | [`glb`] | binary glTF 2.0: write skeleton, skinned solids, animation |
+
+use std::io::Write;
+use std::path::{Path, PathBuf};
+
+use thiserror::Error;
+
+pub mod bvh;
+pub mod glb;
+
+/// A file that could not be read or written.
+#[derive(Debug, Error)]
+#[error("cannot {action} {}: {source}", path.display())]
+pub struct FileError {
+    /// `read` or `write`.
+    pub action: &'static str,
+    /// The file.
+    pub path: PathBuf,
+    /// What the operating system said.
+    pub source: std::io::Error,
+}
+
+/// All bytes of a file.
+///
+/// # Errors
+/// [`FileError`] with the path.
+pub fn read(path: &Path) -> Result<Vec<u8>, FileError> {
+    std::fs::read(path).map_err(|source| FileError { action: "read", path: path.into(), source })
+}
+
+/// Writes a file whole or not at all: to a temporary name beside it, which is then renamed.
+///
+/// # Errors
+/// [`FileError`] with the path; an earlier file of that name is then untouched.
+pub fn write(path: &Path, bytes: &[u8]) -> Result<(), FileError> {
+    let mut name = path.file_name().unwrap_or_default().to_owned();
+    name.push(format!(".{}.tmp", std::process::id()));
+    let temporary = path.with_file_name(name);
+    let save = || -> std::io::Result<()> {
+        let mut file = std::fs::File::create(&temporary)?;
+        file.write_all(bytes)?;
+        file.sync_all()?;
+        drop(file);
+        std::fs::rename(&temporary, path)
+    };
+    save().map_err(|source| {
+        let _ = std::fs::remove_file(&temporary);
+        FileError { action: "write", path: path.into(), source }
+    })
+}
