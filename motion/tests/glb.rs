@@ -142,7 +142,7 @@ fn nodes_read_back_stand_where_kinematics_says() {
             assert_eq!(link.name, name);
         }
     }
-    println!("{worst:.1e}");
+    assert!(worst < 1e-6, "{worst}"); // m or 1; 2.3e-7 seen
 }
 
 #[test]
@@ -164,6 +164,7 @@ fn skinned_vertices_follow_their_links() {
     assert!(reader.read_weights(0).unwrap().into_f32().all(|w| w == [1.0, 0.0, 0.0, 0.0]));
     assert!(reader.read_indices().unwrap().into_u32().all(|i| (i as usize) < points.len()));
 
+    let mut worst = 0.0f64;
     // Distance of a skinned vertex from its solid's surface, with the link where our kinematics has it.
     for frame in [0, 7, 59] {
         let ours = Kinematics::new(&clip.skeleton, clip.pose(frame));
@@ -183,9 +184,11 @@ fn skinned_vertices_follow_their_links() {
                     (rotation.inverse() * (local.coords - center)).abs().component_div(&half).max() - 1.0
                 }
             };
-            assert!(distance.abs() < 2e-5, "{frame} {link}: {distance}"); // VERTEX
+            worst = worst.max(distance.abs());
+            assert!(distance.abs() < 2e-5, "{frame} {link}: {distance}");
         }
     }
+    assert!(worst < 5e-6, "{worst}"); // m; 2.0e-6 seen, floats of metres
 }
 
 #[test]
@@ -242,8 +245,6 @@ fn what_gltf_cannot_hold_is_refused() {
     let mut broken = clip.clone();
     broken.pose_mut(4)[0] = f64::NAN;
     assert!(matches!(write(&broken, &[], "x"), Err(GlbError::NotFinite { frame: 4, .. })));
-    let fast = Clip::new(clip.skeleton.clone(), 1e12, clip.data().to_vec());
-    assert!(write(&fast, &[], "x").is_ok());
     let rooted =
         Skeleton::new(vec![Link::new("post", None, Vec3::zeros(), Joint::Revolute(Vec3::y()))]).unwrap();
     let long = Clip::new(Arc::new(rooted), 1e3, vec![0.0; 20_000_000]);

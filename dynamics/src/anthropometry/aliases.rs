@@ -405,7 +405,7 @@ impl Anatomy {
         let mut legs = [[0; 3]; 2];
         for (k, side) in Side::BOTH.into_iter().enumerate() {
             let s = Some(side);
-            let named = |w: Word| read.iter().any(|r| *r == (s, Some(w)));
+            let named = |w: Word| read.contains(&(s, Some(w)));
             let upper = if named(Word::UpperArm) { Word::UpperArm } else { Word::Shoulder };
             let thigh = if named(Word::Thigh) { Word::Thigh } else { Word::Hip };
             arms[k] = [

@@ -10,13 +10,13 @@
 //! zero pose does not.
 //! *Rate*: the well-known rate nearest to the printed frame time, if printing with as few digits explains
 //! the difference.
-//! *T-pose*: almost all joint rotations are exactly zero in the first frame, few are in the second, and
-//! the step between them is far beyond the steps that follow.
+//! *T-pose*: in the first frame nearly all angles that move in the clip are zero, and the step to the
+//! second frame, of the limbs or of the root, is far beyond the steps that follow.
 
 use std::fmt;
 
 use super::{Bvh, BvhJoint, Channel};
-use crate::rotation::{Quat, Vec3};
+use crate::rotation::{Quat, Vec3, log};
 
 /// Metres per unit: metres, centimetres, millimetres, inches, and the CMU files' unit, (1/0.45) inch.
 const UNITS: [f64; 5] = [1.0, 0.01, 0.001, 0.0254, 2.54 / 45.0];
@@ -97,7 +97,10 @@ impl fmt::Display for Units {
         let is = if self.human { "tall" } else { "across" };
         let of = |m: f64| self.candidates.iter().find(|c| c.metres_per_unit == m).map_or(0.0, |c| c.height_m);
         match self.chosen {
-            Chosen::Stated => write!(f, "stated)"),
+            Chosen::Stated => {
+                let units = self.candidates.first().map_or(0.0, |c| c.height_m / c.metres_per_unit);
+                write!(f, "stated: the skeleton is {:.2} m {is})", units * self.metres_per_unit)
+            }
             Chosen::Guessed => {
                 write!(f, "guessed: the skeleton is {:.2} m {is})", of(self.metres_per_unit))
             }
@@ -396,25 +399,38 @@ pub(super) fn rate(bvh: &Bvh) -> FrameRate {
 
 /// Whether the first frame is an inserted T-pose.
 pub(super) fn t_pose(bvh: &Bvh) -> bool {
+    /// Frames whose steps are compared with the first.
+    const LATER: usize = 12;
     if bvh.frames < 3 || bvh.joints.len() < 4 {
         return false;
     }
-    let below = |frame: usize| {
-        bvh.joints.iter().skip(1).flat_map(move |joint| {
-            let values = of_joint(joint, bvh.frame(frame));
-            joint
-                .channels
-                .iter()
-                .zip(values)
-                .filter(|(c, _)| matches!(c, Channel::Rotation(_)))
-                .map(|(_, &v)| v)
+    let moving: Vec<usize> = bvh
+        .joints
+        .iter()
+        .skip(1)
+        .flat_map(|joint| joint.channels.iter().zip(joint.channels_at..))
+        .filter(|(channel, _)| matches!(channel, Channel::Rotation(_)))
+        .map(|(_, at)| at)
+        .filter(|&at| {
+            let values = (0..bvh.frames).map(|f| bvh.frame(f)[at]);
+            let (lo, hi) =
+                values.fold((f64::INFINITY, f64::NEG_INFINITY), |(lo, hi), v| (lo.min(v), hi.max(v)));
+            hi - lo > 1.0
         })
-    };
-    let count = below(0).count();
-    let zeros = |frame: usize| below(frame).filter(|&v| v == 0.0).count();
+        .collect();
+    let at_zero = moving.iter().filter(|&&at| bvh.frame(0)[at].abs() < 1.0).count();
+    if moving.is_empty() || 4 * at_zero < 3 * moving.len() {
+        return false;
+    }
+    // Some programs smooth the limbs into the T-pose but not the root, so either step tells.
+    let root = |frame: usize| rotation(&bvh.joints[0], of_joint(&bvh.joints[0], bvh.frame(frame)));
+    let turn = |frame: usize| log(&(root(frame + 1) * root(frame).inverse())).norm().to_degrees();
     let step = |frame: usize| {
-        below(frame).zip(below(frame + 1)).map(|(a, b)| (a - b).abs().min(360.0)).sum::<f64>() / count as f64
+        let (a, b) = (bvh.frame(frame), bvh.frame(frame + 1));
+        moving.iter().map(|&at| (a[at] - b[at]).abs().min(360.0)).sum::<f64>() / moving.len() as f64
     };
-    let later = (1..bvh.frames.min(12) - 1).map(step).fold(0.0, f64::max);
-    count > 0 && 4 * zeros(0) >= 3 * count && 2 * zeros(1) < count && step(0) > (3.0 * later).max(1.0)
+    let later = |step: &dyn Fn(usize) -> f64| (1..bvh.frames.min(LATER) - 1).map(step).fold(0.0, f64::max);
+    let limbs_jump = step(0) > (3.0 * later(&step)).max(1.0);
+    let root_jumps = log(&root(0)).norm() < 1e-3 && turn(0) > (3.0 * later(&turn)).max(10.0);
+    limbs_jump || root_jumps
 }

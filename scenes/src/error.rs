@@ -1,0 +1,193 @@
+//! Errors with a place: what was found, what is allowed, where.
+//!
+//! In: a RON file. Out: its value, or a [`SceneError`] with file, line and column. Faults of syntax and
+//! type get their place from RON; faults found afterwards, from [`SourceMap`] by the path of the
+//! value. All files of this crate are read through [`Source`].
+
+use std::fmt;
+use std::path::{Path, PathBuf};
+
+use serde::de::DeserializeOwned;
+
+use crate::source_map::{SourceMap, line_column};
+
+/// What is wrong with a file a person wrote, and where.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+pub struct SceneError {
+    /// The file.
+    pub path: PathBuf,
+    /// Line and column, 1-based, in characters; `None` if the file could not be read at all.
+    pub place: Option<(usize, usize)>,
+    /// What was found and what is allowed.
+    pub message: String,
+    /// What to do, if that is not plain.
+    pub help: Option<String>,
+}
+
+impl fmt::Display for SceneError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{}\n  --> {}", self.message, self.path.display())?;
+        if let Some((line, column)) = self.place {
+            write!(f, ":{line}:{column}")?;
+        }
+        match &self.help {
+            Some(help) => write!(f, "\n  help: {help}"),
+            None => Ok(()),
+        }
+    }
+}
+
+impl SceneError {
+    /// The same error with advice.
+    pub fn with_help(mut self, help: impl Into<String>) -> Self {
+        self.help = Some(help.into());
+        self
+    }
+}
+
+/// A file's text with the positions of its values.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Source {
+    path: PathBuf,
+    text: String,
+    map: SourceMap,
+}
+
+impl Source {
+    /// A text as if read from `path`.
+    pub fn new(path: impl Into<PathBuf>, text: impl Into<String>) -> Self {
+        let (path, text) = (path.into(), text.into());
+        let map = SourceMap::new(&text);
+        Self { path, text, map }
+    }
+
+    /// Reads a file.
+    ///
+    /// # Errors
+    /// If it cannot be read or is not UTF-8.
+    pub fn read(path: &Path) -> Result<Self, SceneError> {
+        let fail = |message: String| SceneError { path: path.into(), place: None, message, help: None };
+        let bytes = std::fs::read(path).map_err(|e| fail(format!("cannot read the file: {e}")))?;
+        let text = String::from_utf8(bytes).map_err(|e| {
+            let at = e.utf8_error().valid_up_to();
+            fail(format!("the file is not UTF-8 text (byte {at})"))
+        })?;
+        Ok(Self::new(path, text))
+    }
+
+    /// The file.
+    pub fn path(&self) -> &Path {
+        &self.path
+    }
+
+    /// Parses the text; `Some(…)` may be left out around optional values.
+    ///
+    /// # Errors
+    /// Syntax, types, unknown fields and variants, with their place.
+    pub fn parse<T: DeserializeOwned>(&self) -> Result<T, SceneError> {
+        let options =
+            ron::Options::default().with_default_extension(ron::extensions::Extensions::IMPLICIT_SOME);
+        options.from_str(&self.text).map_err(|e| SceneError {
+            path: self.path.clone(),
+            place: Some((e.span.start.line, e.span.start.col)),
+            message: e.code.to_string(),
+            help: None,
+        })
+    }
+
+    /// An error at the value with this path, see [`SourceMap`].
+    pub fn error(&self, at: &str, message: impl Into<String>) -> SceneError {
+        let place = line_column(&self.text, self.map.offset(at));
+        SceneError { path: self.path.clone(), place: Some(place), message: message.into(), help: None }
+    }
+
+    /// An error for a name that does not exist, with the nearest one that does.
+    ///
+    /// * `kind`: what the name should be, such as `joint`
+    /// * `within`: where it was met, such as ` in Pose "reach"`; may be empty
+    pub fn unknown<'a>(
+        &self,
+        at: &str,
+        kind: &str,
+        name: &str,
+        within: &str,
+        known: impl IntoIterator<Item = &'a str>,
+    ) -> SceneError {
+        let known: Vec<&str> = known.into_iter().collect();
+        match nearest(name, known.iter().copied()) {
+            Some(n) => self.error(at, format!("unknown {kind} `{name}`{within}; did you mean `{n}`?")),
+            None if known.is_empty() => {
+                self.error(at, format!("unknown {kind} `{name}`{within}; there is none"))
+            }
+            None => {
+                let list: Vec<_> = known.iter().map(|n| format!("`{n}`")).collect();
+                self.error(at, format!("unknown {kind} `{name}`{within}; known are {}", list.join(", ")))
+            }
+        }
+    }
+}
+
+/// The candidate most like `name`, if one is like it: at most a third of its letters (and at least two)
+/// changed, added, dropped or swapped, ignoring case.
+pub fn nearest<'a>(name: &str, candidates: impl IntoIterator<Item = &'a str>) -> Option<&'a str> {
+    let limit = (name.chars().count() / 3).max(2);
+    let lower = name.to_lowercase();
+    candidates
+        .into_iter()
+        .map(|c| (distance(&lower, &c.to_lowercase()), c))
+        .filter(|(d, c)| *d <= limit && *d < c.chars().count())
+        .min_by_key(|(d, _)| *d)
+        .map(|(_, c)| c)
+}
+
+/// Letters changed, added, dropped or swapped with a neighbour (optimal string alignment).
+fn distance(a: &str, b: &str) -> usize {
+    let (a, b): (Vec<char>, Vec<char>) = (a.chars().collect(), b.chars().collect());
+    let mut d = vec![vec![0; b.len() + 1]; a.len() + 1];
+    for i in 0..=a.len() {
+        for j in 0..=b.len() {
+            d[i][j] = if i == 0 || j == 0 {
+                i + j
+            } else {
+                let change = usize::from(a[i - 1] != b[j - 1]);
+                let mut best = (d[i - 1][j] + 1).min(d[i][j - 1] + 1).min(d[i - 1][j - 1] + change);
+                if i > 1 && j > 1 && a[i - 1] == b[j - 2] && a[i - 2] == b[j - 1] {
+                    best = best.min(d[i - 2][j - 2] + 1);
+                }
+                best
+            };
+        }
+    }
+    d[a.len()][b.len()]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn nearest_names_are_offered() {
+        let names = ["elbow_r", "elbow_l", "knee_r", "wrist_r"];
+        assert_eq!(nearest("elbw_r", names), Some("elbow_r"));
+        assert_eq!(nearest("Knee_R", names), Some("knee_r"));
+        assert_eq!(nearest("wirst_r", names), Some("wrist_r"));
+        assert_eq!(nearest("tail", names), None);
+    }
+
+    #[test]
+    fn an_error_reads_well() {
+        let text = "Scene(\n  poses: [Pose(set_deg: {\"elbw_r\": 20})],\n)";
+        let source = Source::new("scenes/reach.ron", text);
+        let e = source.unknown(
+            "poses[0].set_deg{\"elbw_r\"}",
+            "joint",
+            "elbw_r",
+            " in Pose \"reach\"",
+            ["elbow_r"],
+        );
+        assert_eq!(
+            e.to_string(),
+            "unknown joint `elbw_r` in Pose \"reach\"; did you mean `elbow_r`?\n  --> scenes/reach.ron:2:26"
+        );
+    }
+}
