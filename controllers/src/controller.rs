@@ -15,7 +15,7 @@ use std::sync::Arc;
 use dynamics::{Character, Model, State};
 use motion::ik::IkError;
 use motion::plant::Plant;
-use motion::{Dof, Limits, Tracks, Value, Vec3};
+use motion::{Dof, Limits, Range, Tracks, Value, Vec3};
 
 use crate::antagonist::SetPoints;
 use crate::balance::{Balance, BalanceSettings, LegMuscle};
@@ -103,8 +103,9 @@ pub struct Controller {
     lift: Vec<f64>,
 }
 
-/// Below this tension stance legs are not allowed: they would not stand (T = 0.5 just does).
-const LEAST_LEG_TENSION: f64 = 0.6;
+/// Tension of stance legs is kept in this range: below they would not stand (T = 0.5 just does), above an
+/// ankle answers a small error with more torque than the sole can pass on.
+const LEG_TENSION: Range = Range { lo: 0.6, hi: 2.0 };
 
 impl Controller {
     /// Plans the whole motion: scale, events, loads of all end poses.
@@ -153,7 +154,7 @@ impl Controller {
                     Some(t) => setup.tension * t.base_tension[model.bodies[i].link],
                     None => setup.tension,
                 };
-                let tension = if in_leg.contains(&i) { tension.max(LEAST_LEG_TENSION) } else { tension };
+                let tension = if in_leg.contains(&i) { tension.clamp(LEG_TENSION.lo, LEG_TENSION.hi) } else { tension };
                 let stiffness = tension * scale.k1[i];
                 LegMuscle { stiffness, damping: TensionScale::damping(stiffness, scale.inertia[i]) }
             })
