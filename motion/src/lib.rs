@@ -17,6 +17,7 @@
 //! | [`shape`] | capsules, boxes, balls |
 //! | [`fk`] | forward kinematics |
 //! | [`ik`] | two-bone limbs to a target |
+//! | [`metrics`] | joint errors, foot slip, jerk |
 //! | [`names`] | the nearest known name, for error messages |
 //! | [`support`] | convex hull of ground contacts, margin of a point |
 //! | [`format`] | BVH and other files |
@@ -31,6 +32,7 @@ pub mod dof;
 pub mod fk;
 pub mod format;
 pub mod ik;
+pub mod metrics;
 pub mod names;
 pub mod plant;
 pub mod rotation;
