@@ -10,7 +10,7 @@
 //! | [`clip`] | uniformly sampled poses |
 //! | [`shape`] | capsules, boxes, balls |
 //! | [`fk`] | forward kinematics |
-//! | [`format`] | BVH and other files |
+//! | [`mod@format`] | BVH and other files |
 //!
 //! Units and frames: metres, radians, seconds; right-handed, Y up, +Z forward, +X to the left of
 //! the character.
