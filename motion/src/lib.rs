@@ -21,6 +21,7 @@
 //! | [`names`] | the nearest known name, for error messages |
 //! | [`support`] | convex hull of ground contacts, margin of a point |
 //! | [`format`] | BVH and other files |
+//! | [`mod@format`] | BVH and other files |
 //!
 //! Units and frames: metres, radians, seconds; right-handed, Y up, +Z forward, +X to the left of
 //! the character.
