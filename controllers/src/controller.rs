@@ -154,7 +154,8 @@ impl Controller {
                     Some(t) => setup.tension * t.base_tension[model.bodies[i].link],
                     None => setup.tension,
                 };
-                let tension = if in_leg.contains(&i) { tension.clamp(LEG_TENSION.lo, LEG_TENSION.hi) } else { tension };
+                let tension =
+                    if in_leg.contains(&i) { tension.clamp(LEG_TENSION.lo, LEG_TENSION.hi) } else { tension };
                 let stiffness = tension * scale.k1[i];
                 LegMuscle { stiffness, damping: TensionScale::damping(stiffness, scale.inertia[i]) }
             })
@@ -399,8 +400,8 @@ impl Controller {
         match (value, &self.model.skeleton.links()[link].limits) {
             (Value::Scalar(x), Some(Limits::Axis(r))) => Rest::Scalar(r.clamp(*x)),
             (Value::Scalar(x), _) => Rest::Scalar(*x),
-            (Value::Rotation(r), Some(Limits::Ball(b))) => Rest::Ball(b.clamp(r)),
-            (Value::Rotation(r), _) => Rest::Ball(*r),
+            (Value::Rotation(r), Some(Limits::Ball(b))) => Rest::ball(b.clamp(r)),
+            (Value::Rotation(r), _) => Rest::ball(*r),
         }
     }
 

@@ -10,8 +10,8 @@ use std::time::Instant;
 use controllers::assist::{self, Budget};
 use controllers::{Controller, Sagging, Setup};
 use dynamics::{Character, ContactSample, RootMode, State, Trace, Wrench};
-use motion::Vec3;
 use motion::ik::IkError;
+use motion::{Joint, Vec3};
 use thiserror::Error;
 
 use crate::world::{Ground, World, WorldError, WorldSettings};
@@ -48,7 +48,7 @@ pub struct Pass {
     pub setup: Setup,
     /// Engine substeps per control step; `None` takes two, or more until ω₀ dt/2 ≤ 0.1 in every joint.
     pub substeps: Option<usize>,
-    /// What holds the root.
+    /// What holds a free root; a root with a joint of its own has that, and runs as `Free`.
     pub root: RootMode,
     /// Ground plane, if any.
     pub ground: Option<Ground>,
@@ -85,6 +85,8 @@ impl Pass {
         let character = self.setup.character.clone();
         let gravity = self.setup.gravity;
         let scripted = self.setup.tracks.is_some();
+        let free_root = matches!(character.skeleton.links()[0].joint, Joint::Free);
+        let root_mode = if free_root { self.root } else { RootMode::Free };
         let mut controller = Controller::new(self.setup)?;
         let rate_hz = controller.goal().rate_hz;
         let substeps = self.substeps.unwrap_or_else(|| {
@@ -98,7 +100,7 @@ impl Pass {
             substeps,
             gravity,
             ground: self.ground,
-            pinned: self.root == RootMode::Pinned,
+            pinned: root_mode == RootMode::Pinned,
         };
         let q = controller.goal().pose(0).to_vec();
         // scripts start from rest, clips in the middle of a motion
@@ -106,7 +108,7 @@ impl Pass {
         let v = &v[..controller.model.nv()];
         let started = Instant::now();
         let mut world = World::new(&character, settings, &q, v)?;
-        let mut recorder = Recorder::new(&character, &settings, self.root, self.ground);
+        let mut recorder = Recorder::new(&character, &settings, root_mode, self.ground);
         let mut state = State::new(&controller.model);
         state.update(&controller.model, world.q(), world.v());
         let rows = controller.goal().rows();
@@ -124,7 +126,7 @@ impl Pass {
                 }
             }
             let mut held = None;
-            match self.root {
+            match root_mode {
                 RootMode::Free => {}
                 RootMode::Assisted { force_n, moment_nm } => {
                     let budget = Budget { force_n, moment_nm };
@@ -143,7 +145,7 @@ impl Pass {
             }
             state.update(&controller.model, world.q(), world.v());
             recorder.record(&mut state, &world, &controller, row, held);
-            if fell_s.is_none() && self.root != RootMode::Pinned && recorder.fallen(row, &controller) {
+            if fell_s.is_none() && root_mode != RootMode::Pinned && recorder.fallen(row, &controller) {
                 fell_s = Some(row as f64 / rate_hz);
             }
             if row % 16 == 0 {
@@ -282,9 +284,12 @@ impl Recorder {
             .rev()
             .take_while(|c| c.row == row)
             .any(|c| !self.feet.contains(&model.body_of[c.link].0) && c.force.norm() > 20.0);
+        let Some(ground) = t.ground_m else { return false };
+        if !matches!(model.bodies[0].joint, Joint::Free) {
+            return other;
+        }
         let root_goal = model.skeleton.position(controller.goal().pose(row), 0).y;
         let root = model.skeleton.position(t.pose(row), 0).y;
-        let ground = t.ground_m.unwrap_or(0.0);
         other || root - ground < FALLEN * (root_goal - ground)
     }
 }
