@@ -1,1 +1,3 @@
-//! promises
+//! Promises that no crate can make alone, as tests. One file per idea.
+
+mod laws;
