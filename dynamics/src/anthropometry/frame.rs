@@ -179,11 +179,12 @@ fn bones(skeleton: &Skeleton, anatomy: &Anatomy, k: &Kinematics, stature: f64) -
         bone[foot] = far_tip(skeleton, k, foot).unwrap_or_default();
     }
     let head = anatomy.head;
+    // Many rigs (CMU) end the head at the forehead: that is no crown.
     let crown = links[head]
         .end
         .map(|e| k.world[head].rotation * e)
-        .filter(|e| (0.04..0.2).contains(&(e.y / stature)));
-    bone[head] = k.world[head].rotation.inverse() * crown.unwrap_or(UP * (0.11 * stature));
+        .filter(|e| (0.085..0.2).contains(&(e.y / stature)));
+    bone[head] = k.world[head].rotation.inverse() * crown.unwrap_or(UP * (0.105 * stature));
     bone
 }
 

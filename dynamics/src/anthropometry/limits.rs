@@ -44,8 +44,9 @@ const fn rom(lo: f64, hi: f64, allowance: f64) -> Rom {
 
 impl Rom {
     fn widened(self, n: f64) -> [f64; 2] {
-        // A column of n joints shares its range. Real spines do not share it evenly: a quarter more.
-        let share = if n > 1.0 { 1.25 / n } else { 1.0 };
+        // A column of n joints shares its range, but not evenly: rigs let one joint do most of the work
+        // (CMU's lower back bends 67° in 127_31) or bend against the next (its two neck joints).
+        let share = if n > 1.0 { (1.25 / n).max(0.7) } else { 1.0 };
         [(self.published[0] - self.allowance) * share, (self.published[1] + self.allowance) * share]
     }
 }
@@ -92,7 +93,7 @@ fn ball(role: Role) -> Option<Ball> {
         Role::Neck | Role::Head => Ball {
             bone: Bone::Own,
             axes: [Left, Front],
-            ranges: [rom(-45.0, 45.0, 30.0), rom(-45.0, 45.0, 20.0), rom(-60.0, 60.0, 25.0)],
+            ranges: [rom(-45.0, 45.0, 35.0), rom(-45.0, 45.0, 20.0), rom(-60.0, 60.0, 25.0)],
         },
         // [Inm44]: protraction −, retraction + about up; elevation + about front; rotation about the bone
         Role::Clavicle(_) => Ball {
@@ -107,24 +108,26 @@ fn ball(role: Role) -> Option<Ball> {
             axes: [Up, Front],
             ranges: [rom(-140.7, 45.4, 35.0), rom(-90.0, 94.0, 45.0), rom(-103.7, 68.8, 50.0)],
         },
-        // flexion 142.9 (−) about left; supination 82.1 (−) and pronation 75.8 about the bone
+        // flexion 142.9 (−) about left; supination 82.1 (−) and pronation 75.8 about the bone. A rig's elbow
+        // axis is turned about the upper arm by what its zero pose happened to be (CMU: 30°), so that
+        // flexion shows about front too
         Role::Forearm(_) => Ball {
             bone: Bone::Own,
             axes: [Left, Front],
-            ranges: [rom(-142.9, 0.6, 20.0), rom(0.0, 0.0, 40.0), rom(-82.1, 75.8, 30.0)],
+            ranges: [rom(-142.9, 0.6, 20.0), rom(0.0, 0.0, 85.0), rom(-82.1, 75.8, 30.0)],
         },
         // radial 21.5 (−) and ulnar 36.0 deviation about left; flexion 76.4 (−), extension 74.9 about front
         Role::Hand(_) => Ball {
             bone: Bone::Own,
             axes: [Left, Front],
-            ranges: [rom(-21.5, 36.0, 20.0), rom(-76.4, 74.9, 20.0), rom(-82.1, 75.8, 40.0)],
+            ranges: [rom(-21.5, 36.0, 20.0), rom(-76.4, 74.9, 20.0), rom(-82.1, 75.8, 65.0)],
         },
         // flexion 122.3 (−), extension 9.8 about left; adduction 26.9 (−), abduction 45.9 about front;
         // external (−) 47.2, internal 47.3 rotation
         Role::Thigh(_) => Ball {
             bone: Bone::Own,
             axes: [Left, Front],
-            ranges: [rom(-122.3, 9.8, 35.0), rom(-26.9, 45.9, 30.0), rom(-47.2, 47.3, 30.0)],
+            ranges: [rom(-122.3, 9.8, 35.0), rom(-26.9, 45.9, 45.0), rom(-47.2, 47.3, 30.0)],
         },
         // flexion 142.5 (+); a rig's knee axis is never quite the anatomical one
         Role::Shin(_) => Ball {
@@ -136,7 +139,7 @@ fn ball(role: Role) -> Option<Ball> {
         Role::Foot(_) => Ball {
             bone: Bone::Front,
             axes: [Left, Up],
-            ranges: [rom(-12.6, 56.2, 30.0), rom(-10.0, 10.0, 30.0), rom(-36.8, 20.7, 20.0)],
+            ranges: [rom(-12.6, 56.2, 40.0), rom(-10.0, 10.0, 50.0), rom(-36.8, 20.7, 20.0)],
         },
         Role::Pelvis | Role::Finger(_) | Role::Toe(_) | Role::Helper | Role::Other => return None,
     })
@@ -241,25 +244,25 @@ const BOUND: f64 = 179.0 * PI / 180.0;
 /// The limits `r` allows for `q · center⁻¹`, as a box of coordinates of `q`.
 ///
 /// The axes are carried back by the centre, so that the bone stays the bone. Exact for a centre that
-/// is the identity, else the smallest box that holds a grid of 11³ allowed rotations.
+/// is the identity, else the smallest box that holds the allowed rotations of a polar grid:
+/// swings from within an ellipse in each quadrant, since no joint takes both swings to their ends.
 fn about_zero(r: &BallLimits, center: &Quat) -> BallLimits {
     let mut out = BallLimits { axes: r.axes.map(|a| center.inverse() * a), ranges: r.ranges };
     if log(center).norm() < 1e-9 {
         return out;
     }
-    const N: i32 = 10;
+    const TURNS: i32 = 48;
+    const RINGS: i32 = 8;
     let mut lo = Vec3::repeat(f64::INFINITY);
     let mut hi = -lo;
-    let at = |range: &Range, i: i32| range.lo + (range.hi - range.lo) * f64::from(i) / f64::from(N);
-    for i in 0..=N {
-        for j in 0..=N {
-            let (x, y) = (at(&r.ranges[0], i), at(&r.ranges[1], j));
-            if x.hypot(y) > BOUND {
-                continue; // beyond half a turn: another corner names the same rotation
-            }
-            for k in 0..=N {
-                let q = r.rotation(&Vec3::new(x, y, at(&r.ranges[2], k))) * center;
-                let phi = out.coords(&q);
+    let scaled = |r: &Range, x: f64| if x > 0.0 { x * r.hi } else { -x * r.lo };
+    for turn in 0..TURNS {
+        let (sin, cos) = (2.0 * PI * f64::from(turn) / f64::from(TURNS)).sin_cos();
+        for ring in 0..=RINGS {
+            let radius = f64::from(ring) / f64::from(RINGS);
+            let (x, y) = (scaled(&r.ranges[0], radius * cos), scaled(&r.ranges[1], radius * sin));
+            for twist in [r.ranges[2].lo, 0.5 * (r.ranges[2].lo + r.ranges[2].hi), r.ranges[2].hi] {
+                let phi = out.coords(&(r.rotation(&Vec3::new(x, y, twist)) * center));
                 lo = lo.inf(&phi);
                 hi = hi.sup(&phi);
             }
