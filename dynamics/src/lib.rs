@@ -15,7 +15,7 @@ pub mod character;
 pub mod pose_map;
 pub mod trace;
 
-pub use anthropometry::{BodyOptions, BodyReport, GuessError, guess_body};
+pub use anthropometry::{BodyOptions, BodyReport, GuessError, guess_body, guess_body_of_clip};
 pub use character::{Body, Character, CharacterError, JointClass};
 pub use pose_map::{PoseMap, PoseMapError};
 pub use trace::{ContactSample, RootMode, Trace};

@@ -12,7 +12,8 @@
 //! Ranges are stated for the left side as swing about two axes and twist about the bone
 //! ([`motion::BallLimits`]) from a *centre*: the neutral pose, or for shoulders the arm straight
 //! sideways, palm down. The right side is the mirror image: coordinates about `left` stay, those about
-//! `up`, `front` and the bone change sign. A skeleton whose zero pose is the centre gets the ranges as
+//! `up`, `front` and the bone change sign. The axes are right-handed: where they would not be, the
+//! second one is turned round with its range. A skeleton whose zero pose is the centre gets the ranges as
 //! they stand; any other gets the smallest box that holds them about its own zero.
 //!
 //! [BA79] D. C. Boone, S. P. Azen. Normal range of motion of joints in male subjects. J. Bone Joint
@@ -200,7 +201,7 @@ fn ball_limits(skeleton: &Skeleton, anatomy: &Anatomy, neutral: &Neutral, link: 
         Role::Neck | Role::Head => anatomy.neck.len() as f64 + 1.0,
         _ => 1.0,
     };
-    let ranges: [[f64; 2]; 3] = std::array::from_fn(|k| {
+    let mut ranges: [[f64; 2]; 3] = std::array::from_fn(|k| {
         let r = kind.ranges[k].widened(shared).map(f64::to_radians);
         let flips = mirror && (k == 2 || kind.axes[k] != Axis::Left);
         if flips { [-r[1], -r[0]] } else { r }
@@ -227,7 +228,12 @@ fn ball_limits(skeleton: &Skeleton, anatomy: &Anatomy, neutral: &Neutral, link: 
     let a0 = world(kind.axes[0]);
     let a0 = (a0 - bone * a0.dot(&bone)).normalize();
     let a1 = world(kind.axes[1]);
-    let a1 = (a1 - bone * a1.dot(&bone) - a0 * a1.dot(&a0)).normalize();
+    let mut a1 = (a1 - bone * a1.dot(&bone) - a0 * a1.dot(&a0)).normalize();
+    // Right-handed, so that the axes are also the columns of a rotation.
+    if a0.cross(&a1).dot(&bone) < 0.0 {
+        a1 = -a1;
+        ranges[1] = [-ranges[1][1], -ranges[1][0]];
+    }
 
     let to_zero = zero_in_neutral(skeleton, neutral, link).inverse();
     let q_center = to_zero * center;
@@ -269,7 +275,9 @@ fn about_zero(r: &BallLimits, center: &Quat) -> BallLimits {
         }
     }
     for k in 0..3 {
-        out.ranges[k] = Range::new(lo[k].max(-BOUND), hi[k].min(BOUND));
+        // A range that crosses half a turn has no ends: that coordinate is free.
+        let wraps = lo[k] < -BOUND || hi[k] > BOUND;
+        out.ranges[k] = if wraps { Range::new(-PI, PI) } else { Range::new(lo[k], hi[k]) };
     }
     out
 }

@@ -12,6 +12,7 @@
 //! | [`limits`] | ranges of motion [BA79, AAOS] in the coordinates of a skeleton |
 //! | [`shapes`] | capsules and boxes that look like a body |
 //! | [`guess`] | all of them together |
+//! | [`standing`] | a standing pose for rigs whose zero pose is none |
 //! | [`human`] | the standard figure of the project |
 
 pub mod aliases;
@@ -21,7 +22,9 @@ pub mod human;
 pub mod limits;
 pub mod segments;
 pub mod shapes;
+pub mod standing;
 
 pub use aliases::{Anatomy, AnatomyError, Role, Side};
 pub use guess::{BodyOptions, BodyReport, GuessError, guess_body};
 pub use segments::Sex;
+pub use standing::{guess_body_of_clip, standing_frame};
