@@ -69,7 +69,7 @@ fn bodies() -> Vec<(String, Clip, Character, f64)> {
         .filter_map(|(name, clip)| {
             let (c, r) = guess_body_of_clip(&clip, &BodyOptions::default()).ok()?;
             println!("{name:<36} stature {:.3} m, mass {:.1} kg, com {:.3}", r.stature, r.mass, r.com_height);
-            // cgspeed's conversion loses up to 12 cm of trunk, which raises the centre: 0.587 seen
+            // 0.554 to 0.587 seen: cgspeed's conversion and pymo's rig lack a piece of trunk or neck
             assert!((0.54..0.59).contains(&r.com_height), "{name}: {r}");
             assert!((r.mass / r.stature.powi(2) - 23.0).abs() < 1e-9 && (c.mass() - r.mass).abs() < 1e-9);
             Some((name, clip, c, r.stature))
@@ -89,7 +89,7 @@ fn guessed_bodies_stand() {
         };
         let corners: Vec<Vec3> = (0..8).map(corner).collect();
         for p in &corners {
-            assert!(p.y.abs() < 0.02, "{name}: a corner of the soles at {p:?}"); // uneven legs: 13 mm seen
+            assert!(p.y.abs() < 0.02, "{name}: a corner of the soles at {p:?}"); // uneven legs: 10.3 mm seen
         }
         for f in [0, 4] {
             let heights: Vec<f64> = (f..f + 4).map(|i| corners[i].y).collect();
@@ -97,10 +97,7 @@ fn guessed_bodies_stand() {
                 - heights.iter().fold(f64::MAX, |a, &b| a.min(b));
             assert!(tilt < 1e-9, "{name}: sole tilted by {tilt} m");
             let length = (corners[f + 2] - corners[f]).norm();
-            assert!(
-                length > 0.12 * stature && length <= 0.27 / 1.75 * stature * 1.08,
-                "{name}: foot of {length} m"
-            );
+            assert!(length > 0.12 * stature && length <= 0.27 / 1.75 * stature, "{name}: foot of {length} m");
             // inner corners are nearer to the other foot
             let other = (corners[4 - f] + corners[5 - f]) * 0.5;
             assert!((corners[f] - other).norm() < (corners[f + 1] - other).norm(), "{name}");
@@ -109,7 +106,7 @@ fn guessed_bodies_stand() {
         let com: Vec3 =
             c.bodies.iter().enumerate().map(|(i, b)| k.point(i, &b.com) * b.mass).sum::<Vec3>() / c.mass();
         let off = (com - middle) - Vec3::y() * (com - middle).y;
-        assert!(off.norm() < 0.02, "{name}: centre of mass {off:?} off the middle of the soles"); // 13 mm seen
+        assert!(off.norm() < 0.02, "{name}: centre of mass {off:?} off the middle of the soles"); // 5.8 mm seen
         let hand = |s: &str| {
             let site = c.skeleton.site(s).unwrap();
             k.point(site.link, &site.at).y
