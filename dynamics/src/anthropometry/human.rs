@@ -14,8 +14,9 @@
 
 use motion::{Joint, Link, Skeleton, Vec3};
 
-use super::guess::{BodyOptions, BodyReport, FLESH_UNDER_FOOT, guess_body};
+use super::guess::{BodyOptions, BodyReport, guess_body};
 use super::segments::MALE;
+use super::shapes::FLESH_UNDER_FOOT;
 use crate::Character;
 
 /// Stature, m.
