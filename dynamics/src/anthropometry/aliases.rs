@@ -582,4 +582,128 @@ mod tests {
         assert_eq!(read_name("Prop").1, None);
         assert_eq!(read_name("leftEye").1, None);
     }
+
+    /// A figure with the names of a rig: trunk from the pelvis to the head, then one side's collar bone, upper
+    /// arm, forearm, hand, thigh, shin, foot, toe with `?` for the side.
+    fn figure(trunk: &[&str], side: [&str; 8], sides: [&str; 2]) -> Skeleton {
+        use motion::{Joint, Link, Vec3};
+        let mut links = vec![Link::new(trunk[0], None, Vec3::zeros(), Joint::Free)];
+        let step = 0.75 / (trunk.len() - 1) as f64;
+        for (i, name) in trunk.iter().enumerate().skip(1) {
+            links.push(Link::new(*name, Some(i - 1), Vec3::y() * step, Joint::Spherical));
+        }
+        let chest = trunk.len() - 3;
+        for (k, letter) in sides.iter().enumerate() {
+            let x = if k == 0 { 1.0 } else { -1.0 };
+            let at = [
+                Vec3::new(0.03 * x, 0.1, 0.0),
+                Vec3::x() * (0.15 * x),
+                Vec3::x() * (0.28 * x),
+                Vec3::x() * (0.26 * x),
+                Vec3::x() * (0.09 * x),
+                Vec3::y() * -0.43,
+                Vec3::y() * -0.43,
+                Vec3::new(0.0, -0.05, 0.15),
+            ];
+            for (j, name) in side.iter().enumerate() {
+                let parent = match j {
+                    0 => chest,
+                    4 => 0,
+                    _ => links.len() - 1,
+                };
+                links.push(Link::new(name.replace('?', letter), Some(parent), at[j], Joint::Spherical));
+            }
+        }
+        Skeleton::new(links).unwrap()
+    }
+
+    /// Whole figures of the rigs in use get their roles and a body.
+    #[test]
+    fn rigs_get_a_body() {
+        let mixamo = ["Hips", "Spine", "Spine1", "Spine2", "Neck", "Head"].map(|n| format!("mixamorig:{n}"));
+        let mixamo: Vec<&str> = mixamo.iter().map(String::as_str).collect();
+        let rigs = [
+            figure(
+                &mixamo,
+                ["Shoulder", "Arm", "ForeArm", "Hand", "UpLeg", "Leg", "Foot", "ToeBase"]
+                    .map(|n| Box::leak(format!("mixamorig:?{n}").into_boxed_str()) as &str),
+                ["Left", "Right"],
+            ),
+            figure(
+                &["Pelvis", "L5", "L3", "T12", "T8", "Neck", "Head"],
+                ["?T4", "?UpperArm", "?ForeArm", "?Hand", "?UpperLeg", "?LowerLeg", "?Foot", "?Toe"],
+                ["Left", "Right"],
+            ),
+            figure(
+                &["pelvis", "spine_01", "spine_02", "spine_03", "neck_01", "head"],
+                ["clavicle_?", "upperarm_?", "lowerarm_?", "hand_?", "thigh_?", "calf_?", "foot_?", "ball_?"],
+                ["l", "r"],
+            ),
+            figure(
+                &["Bip01", "Bip01 Spine", "Bip01 Spine1", "Bip01 Neck", "Bip01 Head"],
+                [
+                    "Bip01 ? Clavicle",
+                    "Bip01 ? UpperArm",
+                    "Bip01 ? Forearm",
+                    "Bip01 ? Hand",
+                    "Bip01 ? Thigh",
+                    "Bip01 ? Calf",
+                    "Bip01 ? Foot",
+                    "Bip01 ? Toe0",
+                ],
+                ["L", "R"],
+            ),
+            figure(
+                &["Hips", "Chest", "Chest2", "Neck", "Head"],
+                ["?Collar", "?Shoulder", "?Elbow", "?Wrist", "?Hip", "?Knee", "?Ankle", "?Toe"],
+                ["Left", "Right"],
+            ),
+            figure(
+                &["hip", "abdomen", "chest", "neck", "head"],
+                ["?Collar", "?Shldr", "?ForeArm", "?Hand", "?Thigh", "?Shin", "?Foot", "?Toe"],
+                ["l", "r"],
+            ),
+        ];
+        for rig in &rigs {
+            let a = Anatomy::of(rig).unwrap_or_else(|e| panic!("{e}"));
+            let trunk = rig.links().len() - 16;
+            assert_eq!(a.roles[0], Role::Pelvis);
+            assert_eq!(
+                (a.spine.len(), a.neck.len(), a.head),
+                (trunk - 3, 1, trunk - 1),
+                "{}",
+                rig.links()[0].name
+            );
+            for (k, side) in Side::BOTH.into_iter().enumerate() {
+                let want = [
+                    Role::Clavicle(side),
+                    Role::UpperArm(side),
+                    Role::Forearm(side),
+                    Role::Hand(side),
+                    Role::Thigh(side),
+                    Role::Shin(side),
+                    Role::Foot(side),
+                    Role::Toe(side),
+                ];
+                assert_eq!(a.roles[trunk + 8 * k..trunk + 8 * (k + 1)], want);
+            }
+            let (_, report) = crate::guess_body(rig, &crate::BodyOptions::default()).unwrap();
+            assert!((1.4..2.0).contains(&report.stature), "{report}");
+        }
+    }
+
+    #[test]
+    fn what_is_missing_or_doubtful_is_named() {
+        let names = ["?Collar", "?Shoulder", "?Elbow", "?Wrist", "?Hip", "?Knee", "?Ankle", "?Toe"];
+        let trunk = ["Hips", "Chest", "Chest2", "Neck", "Head"];
+        let renamed = |from: &str, to: &str| {
+            let mut links = figure(&trunk, names, ["Left", "Right"]).links().to_vec();
+            links.iter_mut().filter(|l| l.name == from).for_each(|l| l.name = to.into());
+            Anatomy::of(&Skeleton::new(links).unwrap()).unwrap_err().to_string()
+        };
+        let e = renamed("LeftKnee", "Bend");
+        assert!(e.contains("found no joint for left shin;") && e.contains("`Bend`"), "{e}");
+        let e = renamed("RightKnee", "LeftShin");
+        assert!(e.contains("`LeftKnee` and `LeftShin` both look like the left shin"), "{e}");
+    }
 }

@@ -281,3 +281,104 @@ fn about_zero(r: &BallLimits, center: &Quat) -> BallLimits {
     }
     out
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::anthropometry::human::human;
+
+    fn turns() -> impl Iterator<Item = Quat> {
+        (0..4000).map(|i| {
+            let f = f64::from(i);
+            let axis = Vec3::new((f * 1.37).sin(), (f * 0.71).cos(), (f * 2.13).sin());
+            exp(&(axis.normalize() * (f * 0.618).fract() * 3.1))
+        })
+    }
+
+    /// Right is the mirror image of left: a rotation is allowed on one side exactly if its mirror image is
+    /// on the other.
+    #[test]
+    fn sides_are_mirror_images() {
+        let (c, _) = human();
+        for name in ["clavicle", "shoulder", "wrist", "hip", "ankle"] {
+            let of = |side: &str| match c.skeleton.links()
+                [c.skeleton.link(&format!("{name}_{side}")).unwrap()]
+            .limits
+            {
+                Some(Limits::Ball(b)) => b,
+                _ => panic!("{name}"),
+            };
+            let (left, right) = (of("l"), of("r"));
+            let (mut inside, mut outside) = (0, 0);
+            for q in turns() {
+                // reflection in x = 0 keeps the x of an axial vector and turns y and z round
+                let m = Quat::new_unchecked(nalgebra::Quaternion::new(q.w, q.i, -q.j, -q.k));
+                let allowed = left.clamp(&q) == q;
+                assert_eq!(allowed, right.clamp(&m) == m, "{name} {q:?}");
+                *(if allowed { &mut inside } else { &mut outside }) += 1;
+            }
+            assert!(inside > 20 && outside > 100, "{name}: {inside} {outside}");
+        }
+    }
+
+    /// Named movements of the figure, degrees about world axes from the zero pose: the published range is
+    /// allowed, well beyond it is not.
+    #[test]
+    fn published_movements_are_allowed() {
+        let (c, _) = human();
+        let (x, y, z) = (Vec3::x(), Vec3::y(), Vec3::z());
+        for (joint, axis, allowed, forbidden) in [
+            ("hip_l", -x, 122.3, 170.0), // flexion
+            ("hip_l", x, 9.8, 60.0),     // extension
+            ("hip_l", z, 45.9, 110.0),   // abduction
+            ("hip_r", -z, 45.9, 110.0),
+            ("ankle_l", x, 56.2, 110.0),      // plantar flexion
+            ("ankle_l", -x, 12.6, 60.0),      // dorsiflexion
+            ("ankle_l", -z, 36.8, 70.0),      // inversion
+            ("shoulder_l", -y, 140.7, 178.0), // horizontal flexion
+            ("shoulder_r", y, 140.7, 178.0),
+            ("shoulder_l", z, 84.0, 150.0),   // abduction beyond sideways
+            ("shoulder_l", -z, 90.0, 150.0),  // hanging
+            ("shoulder_l", x, 68.8, 150.0),   // internal rotation
+            ("shoulder_l", -x, 103.7, 170.0), // external rotation
+            ("wrist_l", -z, 76.4, 120.0),     // flexion
+            ("head", y, 59.0, 100.0),         // turning
+            ("chest", x, 60.0, 100.0),        // bending forward
+        ] {
+            let i = c.skeleton.link(joint).unwrap();
+            let Some(Limits::Ball(b)) = c.skeleton.links()[i].limits else { panic!("{joint}") };
+            let passes = |deg: f64| {
+                let q = exp(&(axis * deg.to_radians()));
+                b.clamp(&q) == q
+            };
+            assert!(passes(allowed), "{joint} {axis:?} {allowed}");
+            assert!(!passes(forbidden), "{joint} {axis:?} {forbidden}");
+        }
+    }
+
+    /// About another zero, every rotation the limits allow is still allowed.
+    #[test]
+    fn moving_the_zero_forbids_nothing() {
+        let limits = BallLimits {
+            axes: [Vec3::x(), Vec3::z(), -Vec3::y()],
+            ranges: [Range::new(-2.1, 0.7), Range::new(-0.9, 1.2), Range::new(-0.8, 0.8)],
+        };
+        for center in [Vec3::z() * 0.35, Vec3::new(0.3, 0.5, -0.4), Vec3::x() * -1.2] {
+            let center = exp(&center);
+            let moved = about_zero(&limits, &center);
+            for i in 0..500 {
+                let f = f64::from(i);
+                // inside the ellipse of swings, twist anywhere
+                let (r, a) = ((f * 0.618).fract().sqrt() * 0.98, f * 2.4);
+                let pick = |r: &Range, u: f64| if u > 0.0 { u * r.hi } else { -u * r.lo };
+                let phi = Vec3::new(
+                    pick(&limits.ranges[0], r * a.cos()),
+                    pick(&limits.ranges[1], r * a.sin()),
+                    pick(&limits.ranges[2], (f * 0.37).fract() * 1.96 - 0.98),
+                );
+                let q = limits.rotation(&phi) * center;
+                assert!(moved.clamp(&q).angle_to(&q) < 1e-6, "{phi:?} about {center:?}");
+            }
+        }
+    }
+}
