@@ -7,11 +7,11 @@
 //! on height 0 when the pelvis is at [`PELVIS_HEIGHT`]; all zero frames parallel to the world. Links
 //! are named after their joints. Elbows and knees are hinges; positive angles bend them.
 //!
-//! Lengths in statures are those of [DC66] as drawn in [Win09, Fig. 4.1] unless said otherwise.
+//! Lengths in statures are those of \[DC66\] as drawn in \[Win09, Fig. 4.1\] unless said otherwise.
 //!
-//! [DC66] R. Drillis, R. Contini. Body segment parameters. NYU Tech. Rep. 1166.03, 1966.
-//! [deL96] P. de Leva, see [`segments`](super::segments).
-//! [Win09] D. A. Winter. Biomechanics and motor control of human movement, 4th ed., Wiley, 2009.
+//! \[DC66\] R. Drillis, R. Contini. Body segment parameters. NYU Tech. Rep. 1166.03, 1966.
+//! \[deL96\] P. de Leva, see [`segments`](super::segments).
+//! \[Win09\] D. A. Winter. Biomechanics and motor control of human movement, 4th ed., Wiley, 2009.
 
 use motion::{Joint, Link, Skeleton, Vec3};
 
@@ -30,8 +30,8 @@ pub const PELVIS_HEIGHT: f64 = 0.9275;
 /// Link, parent, offset from the parent's joint (left, up, front; mm), joint; the left side of pairs.
 ///
 /// Heights above the ground in statures [Win09]: ankle 0.039 (68 mm), knee 0.285 (499), hip 0.530 (928),
-/// shoulder 0.818 (1432), crown 1. Upper arm and forearm, between joint centres, are those of [deL96]
-/// (281.7 and 268.9 of 1741 mm: 283 and 270); the hand is 0.108 statures [Win09]. Chosen here, as no
+/// shoulder 0.818 (1432), crown 1. Upper arm and forearm, between joint centres, are those of \[deL96\]
+/// (281.7 and 268.9 of 1741 mm: 283 and 270); the hand is 0.108 statures \[Win09\]. Chosen here, as no
 /// table has them: joint centres of the shoulders at ±185 mm, 4 cm inside the outline (0.129
 /// statures), and of the hips at ±87; the trunk bends at L5/S1, 104 above the hips, and T12/L1, another
 /// 180; the neck at C7/T1, 530 above the hips, and the base of the skull, another 96.

@@ -2,8 +2,8 @@
 //!
 //! In: roles and the neutral pose. Out: [`motion::Limits`] relative to the file's zero pose.
 //!
-//! The published ranges are means of healthy people moving slowly: [BA79] (109 men and boys, active,
-//! goniometer) for the limbs, [AAOS] for the spine, [Inm44] for the collar bone. Dancers, acrobats and
+//! The published ranges are means of healthy people moving slowly: \[BA79\] (109 men and boys, active,
+//! goniometer) for the limbs, \[AAOS\] for the spine, \[Inm44\] for the collar bone. Dancers, acrobats and
 //! marker noise exceed them, so each has an *allowance* which is added at both ends; for the limits
 //! shape what the body is asked to do, and clamping a real motion is worse than allowing a bit much.
 //!
@@ -16,10 +16,10 @@
 //! second one is turned round with its range. A skeleton whose zero pose is the centre gets the ranges as
 //! they stand; any other gets the smallest box that holds them about its own zero.
 //!
-//! [BA79] D. C. Boone, S. P. Azen. Normal range of motion of joints in male subjects. J. Bone Joint
+//! \[BA79\] D. C. Boone, S. P. Azen. Normal range of motion of joints in male subjects. J. Bone Joint
 //! Surg. 61-A, 756–759, 1979.
-//! [AAOS] American Academy of Orthopaedic Surgeons. Joint motion: method of measuring and recording. 1965.
-//! [Inm44] V. T. Inman, J. B. Saunders, L. C. Abbott. Observations on the function of the shoulder
+//! \[AAOS\] American Academy of Orthopaedic Surgeons. Joint motion: method of measuring and recording. 1965.
+//! \[Inm44\] V. T. Inman, J. B. Saunders, L. C. Abbott. Observations on the function of the shoulder
 //! joint. J. Bone Joint Surg. 26, 1–30, 1944.
 
 use std::f64::consts::PI;
@@ -78,7 +78,7 @@ enum Bone {
     Front,
 }
 
-/// Hinge flexion of elbow and knee, degrees: [BA79] 142.9 and 142.5, with an allowance.
+/// Hinge flexion of elbow and knee, degrees: \[BA79\] 142.9 and 142.5, with an allowance.
 pub const HINGE_DEG: [f64; 2] = [0.0, 150.0];
 
 fn ball(role: Role) -> Option<Ball> {

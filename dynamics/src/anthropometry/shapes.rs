@@ -140,10 +140,10 @@ impl Sole {
     /// The sole of a foot in the neutral pose.
     ///
     /// Its depth below the ankle is the deepest point of the rig's foot with [`FLESH_UNDER_FOOT`] below, but
-    /// at least 0.039 statures, the ankle height of [Win09, Fig. 4.1]; the toes end where the rig's do, if
+    /// at least 0.039 statures, the ankle height of \[Win09, Fig. 4.1\]; the toes end where the rig's do, if
     /// that is 0.09 to 0.115 statures ahead of the ankle.
     ///
-    /// [Win09] D. A. Winter. Biomechanics and motor control of human movement, 4th ed., 2009.
+    /// \[Win09\] D. A. Winter. Biomechanics and motor control of human movement, 4th ed., 2009.
     pub fn of_foot(s: &Skeleton, n: &Neutral, foot: usize) -> Self {
         let h = n.leg_stature;
         // toes are welded as they are in the zero pose
