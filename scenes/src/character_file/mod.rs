@@ -1,7 +1,7 @@
 //! Characters as RON.
 //!
-//! In: a `.ron` file in metres, kilograms and degrees. Out: a checked [`Character`], or a
-//! [`SceneError`] at the very value that is wrong. [`write()`] is the inverse, to the digits written.
+//! In: a `.ron` file in metres, kilograms and degrees. Out: a checked [`Character`](dynamics::Character), or a
+//! [`SceneError`](crate::SceneError) at the very value that is wrong. [`write()`] is the inverse, to the digits written.
 //!
 //! Links may stand in any order and name their parents; inertia is `(xx, yy, zz, xy, xz, yz)` about
 //! the centre of mass along the link's axes; rotations are Euler angles `(x, y, z)`, see
