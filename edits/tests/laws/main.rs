@@ -1,0 +1,11 @@
+//! The laws of movement-property edits, one file for each subject.
+
+mod body;
+
+mod amplitude;
+mod extent;
+mod identity;
+mod log;
+mod selectors;
+mod succession;
+mod tension;
