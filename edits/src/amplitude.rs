@@ -1,4 +1,4 @@
-//! Amplitude: how far a movement goes [NF03 §4.3.2].
+//! Amplitude: how far a movement goes (NF03 §4.3.2).
 //!
 //! In: selected elements and a factor `a > 0`. Out: their end values. Per DOF, with end values `e₀` (the
 //! value before), `e₁ … eₙ` and midpoints `mᵢ = (eᵢ₋₁ + eᵢ)/2`, transition `i` suggests the end
@@ -21,7 +21,7 @@
 //! Rotations: the same with slerp, extrapolating for `a > 1`; the mean is the slerp half-way.
 //! Values are kept within joint limits, or as far outside as they were before.
 //!
-//! [NF03] Neff, Fiume. Aesthetic edits for character animation. SCA 2003.
+//! NF03: Neff, Fiume. Aesthetic edits for character animation. SCA 2003.
 
 use motion::{Tracks, Value};
 

@@ -64,9 +64,9 @@ pub enum EditError {
         /// Numbers needed.
         needed: usize,
     },
-    /// A result that is not finite.
-    #[error("{edit}: the result for {label} is not finite")]
-    NotFinite {
+    /// A result that is not finite, or a negative duration or hold.
+    #[error("{edit}: the result for {label} is not finite, or takes negative time")]
+    Result {
         /// The edit.
         edit: &'static str,
         /// The element.

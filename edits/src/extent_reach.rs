@@ -1,4 +1,4 @@
-//! Extent of reach: how far the hands are from the shoulders [NF03 §4.3.3].
+//! Extent of reach: how far the hands are from the shoulders (NF03 §4.3.3).
 //!
 //! In: selected poses that move an arm, and a factor `s`. Out: end values of their shoulders and elbows.
 //! With `dᵢ = |hand − shoulder|` in pose `i` and the mean `d̄` over the poses selected, each arm apart:
@@ -11,7 +11,8 @@
 //! the two, that element is made, with the timing, curve and tension of the one it has. A pose whose shoulder
 //! or elbow is outside the selection is left alone, with a note, since reach needs both.
 //!
-//! The direction is kept even where that takes the shoulder past its limits, which are not enforced here.
+//! The direction is kept even where that takes the shoulder past its limits, which are not enforced here;
+//! those of the elbow are, so an elbow that is a limited ball may fall short of the distance.
 //!
 //! A change of less than 1e-8 m counts as none: near full stretch the elbow bends with the square root of
 //! the distance, and ten nanometres would be 0.4 mrad. With curves, `s` is read at each pose.
@@ -20,7 +21,7 @@ use motion::ik::{Reach, reach_range, solve_two_bone};
 use motion::{Dof, Element, Kinematics, Limb, LimbKind, Tracks};
 
 use crate::param::PoseOrder;
-use crate::poses::{PoseGroup, groups, selected};
+use crate::poses::{PoseGroup, groups, selected, within_limits};
 use crate::{Edit, EditError, EditLog, Parameter, Selection};
 
 /// Changes of the distance below this are none, m.
@@ -135,6 +136,7 @@ fn solve(
     if direction.norm() < 1e-9 || (d - hand.distance_m).abs() < LEAST_CHANGE_M {
         return Ok(());
     }
+    let before = hand.q.clone();
     let target = shoulder + direction * (d / hand.distance_m);
     if let Reach::Clamped { .. } = solve_two_bone(&skeleton, &mut hand.q, limb, &target)?
         && d == wanted
@@ -142,7 +144,15 @@ fn solve(
         log.clamp(&hand.model.label);
     }
     for dof in dofs(tracks, limb).into_iter().flatten() {
-        let end = dof.read(&skeleton, &hand.q);
+        let mut end = dof.read(&skeleton, &hand.q);
+        if dof.link() == limb.lower {
+            // a hinge is within its limits already, a ball may not be
+            let (allowed, cut) = within_limits(&skeleton, dof, &dof.read(&skeleton, &before), &end);
+            end = allowed;
+            if cut {
+                log.clamp(&hand.model.label);
+            }
+        }
         let Some(index) = dof.index(&skeleton) else { continue };
         let Some(track) = tracks.track_mut(dof) else { continue };
         if let Some(old) = hand.group.element(dof) {

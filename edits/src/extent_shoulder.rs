@@ -1,4 +1,4 @@
-//! Extent at the shoulder: how far the arms are from the body [NF03 §4.3.3].
+//! Extent at the shoulder: how far the arms are from the body (NF03 §4.3.3).
 //!
 //! In: selected elements of shoulders. Out: their end values, `slerp(down, pose, x)`, where `down` is the
 //! rotation with which the straight arm hangs along the chest: the smallest swing that takes the

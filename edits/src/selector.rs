@@ -284,13 +284,11 @@ fn labelled(tracks: &Tracks, text: &str) -> Result<BTreeSet<Label>, EditError> {
     if !found.is_empty() {
         return Ok(found);
     }
+    let mut seen = BTreeSet::new();
     let mut known: Vec<String> = action_names(tracks);
     for (_, e) in tracks.elements() {
-        for t in texts(&e.label) {
-            if !known.contains(&t) {
-                known.push(t);
-            }
-        }
+        known.extend(texts(&e.label));
     }
+    known.retain(|t| seen.insert(t.clone()));
     Err(EditError::unknown("label", text, known.iter().map(String::as_str)))
 }

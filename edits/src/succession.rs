@@ -1,4 +1,4 @@
-//! Succession: movement that runs through the body joint by joint [NF03 §4.3.1].
+//! Succession: movement that runs through the body joint by joint (NF03 §4.3.1).
 //!
 //! In: selected poses, a direction and an offset `t` (s). Out: start times, and holds that had to shrink.
 //! Within each pose the start of an element shifts by `t × depth` of its joint (forward, from the hip out),
