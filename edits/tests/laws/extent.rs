@@ -148,15 +148,18 @@ fn hanging_arms_point_down_the_chest() {
     assert!(motion::rotation::log(&twist).norm() < 1e-12);
 }
 
+/// An arm raised half-way: near brings the hand to the body, far takes it out; mid is as it is.
 #[test]
-fn far_is_farther_and_near_is_nearer() {
+fn presets_are_ordered() {
     let away = |x: f64| {
-        let mut tracks = dance();
-        apply(&ExtentShoulder::new(x), &mut tracks, &Selector::label("wave_0_0"));
-        let hand = hands(&tracks, &Selector::label("wave_0_0"), "arm_r")[0];
+        let values = vec![ball("shoulder_r", 0.0, 0.0, 0.7), hinge("elbow_r", 0.2)];
+        let mut tracks = build(vec![action("a", 0.0, vec![cycle(1, vec![pose(1.0, 0.0, values)])])]);
+        apply(&ExtentShoulder::new(x), &mut tracks, &Selector::default());
+        let hand = hands(&tracks, &Selector::default(), "arm_r")[0];
         hand.x.hypot(hand.z)
     };
-    assert!(away(ExtentShoulder::NEAR) < away(ExtentShoulder::MID));
+    let [near, mid, far] = [ExtentShoulder::NEAR, ExtentShoulder::MID, ExtentShoulder::FAR].map(away);
+    assert!(near < mid - 0.1 && mid < far - 0.05, "{near} {mid} {far}");
     assert_eq!(ExtentShoulder::MID, 1.0);
 }
 

@@ -6,6 +6,7 @@ mod amplitude;
 mod extent;
 mod identity;
 mod log;
+mod order;
 mod selectors;
 mod succession;
 mod tension;
