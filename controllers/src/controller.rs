@@ -154,7 +154,8 @@ impl Controller {
                     Some(t) => setup.tension * t.base_tension[model.bodies[i].link],
                     None => setup.tension,
                 };
-                let tension = if in_leg.contains(&i) { tension.clamp(LEG_TENSION.lo, LEG_TENSION.hi) } else { tension };
+                let tension =
+                    if in_leg.contains(&i) { tension.clamp(LEG_TENSION.lo, LEG_TENSION.hi) } else { tension };
                 let stiffness = tension * scale.k1[i];
                 LegMuscle { stiffness, damping: TensionScale::damping(stiffness, scale.inertia[i]) }
             })

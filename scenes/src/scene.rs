@@ -239,12 +239,8 @@ impl Check<'_> {
             let message = format!("{} repetitions; allowed: 1 to 10000", c.repetitions);
             return Err(self.source.error(&format!("{at}.repetitions"), message));
         }
-        let inherited = PropertiesRon {
-            curve: c.curve,
-            tension: c.tension,
-            duration_s: c.duration_s,
-            hold_s: c.hold_s,
-        };
+        let inherited =
+            PropertiesRon { curve: c.curve, tension: c.tension, duration_s: c.duration_s, hold_s: c.hold_s };
         let mut poses = Vec::new();
         for (k, p) in c.poses.iter().enumerate() {
             poses.push(self.pose(&format!("{at}.poses[{k}]"), action, p)?);
@@ -273,12 +269,8 @@ impl Check<'_> {
             };
             value.properties = properties;
         }
-        let properties = PropertiesRon {
-            curve: p.curve,
-            tension: p.tension,
-            duration_s: p.duration_s,
-            hold_s: p.hold_s,
-        };
+        let properties =
+            PropertiesRon { curve: p.curve, tension: p.tension, duration_s: p.duration_s, hold_s: p.hold_s };
         Ok(Pose { properties: self.properties(at, properties)?, values })
     }
 
@@ -306,11 +298,14 @@ impl Check<'_> {
                 (Angle::Ball(xyz), true, _) => Value::Rotation(quat_from_deg(*xyz)),
                 (Angle::One(x), false, true) => Value::Scalar(x.to_radians()),
                 (_, true, _) => {
-                    let message = format!("`{name}` is a ball joint{within}: it takes (x, y, z) in degrees, found one number");
+                    let message = format!(
+                        "`{name}` is a ball joint{within}: it takes (x, y, z) in degrees, found one number"
+                    );
                     return Err(self.source.error(&at, message));
                 }
                 (Angle::Ball(_), false, true) => {
-                    let message = format!("`{name}` is a hinge{within}: it takes one number of degrees, found three");
+                    let message =
+                        format!("`{name}` is a hinge{within}: it takes one number of degrees, found three");
                     return Err(self.source.error(&at, message));
                 }
                 (_, false, false) => {
