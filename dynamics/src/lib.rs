@@ -7,15 +7,26 @@
 //! |---|---|
 //! | [`anthropometry`] | a body for any human-like skeleton |
 //! | [`character`] | mass, inertia, shapes and contact points on a skeleton |
+//! | [`model`] | a character compiled for dynamics, and its world-frame state |
+//! | [`rnea`] | inverse dynamics with outside wrenches |
+//! | [`inertia`] | mass matrix, momentum, energy, gravity stiffness |
 //! | [`pose_map`] | poses between a clip's skeleton and a character's |
 //! | [`trace`] | what a dynamic run recorded |
+//! | [`trace_npz`] | a trace as numpy arrays |
 
 pub mod anthropometry;
 pub mod character;
+pub mod inertia;
+pub mod model;
 pub mod pose_map;
+pub mod rnea;
 pub mod trace;
+pub mod trace_npz;
 
 pub use anthropometry::{BodyOptions, BodyReport, GuessError, guess_body, guess_body_of_clip};
 pub use character::{Body, Character, CharacterError, JointClass};
+pub use inertia::Momentum;
+pub use model::{Model, MovingBody, State};
 pub use pose_map::{PoseMap, PoseMapError};
+pub use rnea::Wrench;
 pub use trace::{ContactSample, RootMode, Trace};

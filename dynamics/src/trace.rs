@@ -80,6 +80,9 @@ pub struct Trace {
     pub com: Vec<f64>,
     /// Momentum, `rows × 6`: linear (N·s), angular about the centre of mass (N·m·s).
     pub momentum: Vec<f64>,
+    /// World position of each link's centre of mass, `rows × links × 3`, m; empty when not recorded.
+    /// With the masses it gives momentum by a road that does not pass through `v` or `momentum`.
+    pub link_com: Vec<f64>,
     /// Kinetic and potential energy, `rows × 2`, J; potential from height zero.
     pub energy: Vec<f64>,
     /// Wall time of the run, s. Not written to files: it would break their determinism.

@@ -8,25 +8,53 @@
 //! | [`rotation`] | quaternion logarithm and exponential, swing and twist, Euler orders |
 //! | [`skeleton`] | links, joints, limits, sites, limbs |
 //! | [`clip`] | uniformly sampled poses |
+//! | [`derivatives`] | velocities and accelerations |
+//! | [`curve`] | named transition curves |
+//! | [`dof`] | degrees of freedom as scripts name them, and their values |
+//! | [`track`] | transition-element tracks: the editable form of a motion |
+//! | [`script`] | actions, cycles, poses: the written form of a motion |
+//! | [`plant`] | feet that stay where they stand |
 //! | [`shape`] | capsules, boxes, balls |
 //! | [`fk`] | forward kinematics |
+//! | [`ik`] | two-bone limbs to a target |
+//! | [`metrics`] | joint errors, foot slip, jerk |
+//! | [`names`] | the nearest known name, for error messages |
+//! | [`support`] | convex hull of ground contacts, margin of a point |
 //! | [`format`] | BVH and other files |
+//! | [`mod@format`] | BVH and other files |
 //!
 //! Units and frames: metres, radians, seconds; right-handed, Y up, +Z forward, +X to the left of
 //! the character.
 
 pub mod clip;
+pub mod curve;
+pub mod derivatives;
+pub mod dof;
 pub mod fk;
 pub mod format;
+pub mod ik;
+pub mod metrics;
+pub mod names;
+pub mod plant;
 pub mod rotation;
+pub mod script;
 pub mod shape;
 pub mod skeleton;
+pub mod support;
+pub mod track;
 
 pub use clip::Clip;
+pub use curve::Curve;
+pub use derivatives::Derivatives;
+pub use dof::{Dof, Value};
 pub use fk::Kinematics;
+pub use plant::Plant;
 pub use rotation::{EulerOrder, Quat, Vec3};
+pub use script::{Script, ScriptError};
 pub use shape::Shape;
 pub use skeleton::{BallLimits, Joint, Limb, LimbKind, Limits, Link, Range, Site, Skeleton, SkeletonError};
+pub use support::Support;
+pub use track::{Element, Label, Track, Tracks};
 
 /// A rigid transform; `world_from_link` maps points of the link into the world.
 pub type Transform = nalgebra::Isometry3<f64>;

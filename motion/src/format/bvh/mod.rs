@@ -1,7 +1,7 @@
 //! Biovision BVH: a hierarchy of joints with offsets and channels, and a block of channel values.
 //!
 //! In: bytes as found in the wild. Out: [`Bvh`], the file as it is (its own units, degrees); from it
-//! [`import`] makes a [`Clip`] and an [`ImportReport`] of all that was guessed; [`write`] makes text of
+//! [`import`] makes a [`Clip`] and an [`ImportReport`] of all that was guessed; [`write()`] makes text of
 //! a clip.
 //!
 //! | file | holds |

@@ -1,7 +1,7 @@
 //! Solids to triangles with normals: modest, closed, counter-clockwise seen from outside.
 //!
 //! In: a [`Shape`] in its link's frame, m. Out: vertices, normals, indices. Vertices lie on the surface, so
-//! the enclosed volume is a little less than the solid's (2 % for a ball).
+//! the enclosed volume is a little less than the solid's (3 % for a ball).
 
 use crate::Shape;
 use crate::rotation::{Vec3, between};
@@ -118,7 +118,7 @@ mod tests {
             (down, tube(0.1, 1.0)),
         ] {
             let mesh = mesh(&shape);
-            let ratio = volume(&mesh) / expected; // 0.977, 1, 0.988, 0.988 seen
+            let ratio = volume(&mesh) / expected; // 0.972, 1, 0.987, 0.987 seen
             assert!(ratio > 0.97 && ratio < 1.0 + 1e-12, "{shape:?}: {ratio}");
             for triangle in mesh.indices.chunks(3) {
                 let [p, q, r] = [0, 1, 2].map(|k| mesh.points[triangle[k] as usize]);

@@ -1,0 +1,219 @@
+//! Balance: a reactive movement property that keeps the centre of mass over the feet [NF03 §4.2].
+//!
+//! It reads the simulated state every step and writes the drives of the stance legs:
+//!
+//! 1. *Pelvis shift* (ankles and hips): the legs' goals are solved for a root moved against the error
+//!    of the centre of mass, `Δ = −(p e + d ė/ω₀) − i ∫e`, ω₀ = √(g/h), e = c − c*.
+//! 2. *Support load*: the legs carry the body as it is now. RNEA at the simulated pose with the ground
+//!    reaction at a centre of pressure `c + g_p e + g_d ė/ω₀`, clamped inside the soles, split between the
+//!    feet (see [`crate::support`]).
+//! 3. *Ankle limit*: the torque of each ankle is limited so that its own centre of pressure stays
+//!    inside its sole; a stiff ankle would tip the foot.
+//!
+//! In: state, goal pose, feet. Out: drives of the legs. No clock and no engine; the integral is its only
+//! memory. World frame.
+
+use dynamics::{Model, State};
+use motion::Vec3;
+use motion::ik::IkError;
+use motion::plant::{Plant, plant};
+use motion::rotation::{exp, log};
+use motion::skeleton::{quat_at, vec_at};
+use motion::support::{Support, Vec2, ground};
+
+use crate::antagonist::SetPoints;
+use crate::support::{Foot, clamp_inside, polygon, shares, wrenches};
+use crate::{Drive, Rest, rest_of};
+
+/// Parameters of the balance property.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct BalanceSettings {
+    /// Pelvis shift per centre-of-mass error, m/m; higher pulls back harder, too high sways.
+    pub shift: f64,
+    /// Pelvis shift per centre-of-mass velocity over ω₀, m/m; higher damps sway.
+    pub shift_damping: f64,
+    /// Rate at which a lasting error is removed, 1/s; higher removes it sooner, too high sways.
+    pub shift_rate: f64,
+    /// Largest pelvis shift, m.
+    pub shift_limit_m: f64,
+    /// Centre-of-pressure shift per centre-of-mass error, m/m; above 0 pushes the body back.
+    pub pressure: f64,
+    /// Centre-of-pressure shift per velocity over ω₀, m/m; 1 follows the capture point.
+    pub pressure_damping: f64,
+    /// The centre of pressure stays this far inside the soles, m.
+    pub margin_m: f64,
+}
+
+impl Default for BalanceSettings {
+    fn default() -> Self {
+        Self {
+            shift: 0.4,
+            shift_damping: 0.3,
+            shift_rate: 0.5,
+            shift_limit_m: 0.08,
+            pressure: 0.3,
+            pressure_damping: 0.8,
+            margin_m: 0.01,
+        }
+    }
+}
+
+/// What a balance step needs to know of one leg's muscles.
+#[derive(Clone, Copy, Debug)]
+pub struct LegMuscle {
+    /// Stiffness, N·m/rad.
+    pub stiffness: f64,
+    /// Damping, N·m·s/rad.
+    pub damping: f64,
+}
+
+/// The balance property. See the module header.
+#[derive(Clone, Debug)]
+pub struct Balance {
+    settings: BalanceSettings,
+    feet: Vec<Foot>,
+    plants: Vec<Plant>,
+    integral: Vec2,
+    state: State,
+    tau: Vec<f64>,
+    goal: Vec<f64>,
+    still: Vec<f64>,
+}
+
+impl Balance {
+    /// A balance over `feet`, planted at `plants` (same order).
+    pub fn new(model: &Model, settings: BalanceSettings, feet: Vec<Foot>, plants: Vec<Plant>) -> Self {
+        Self {
+            settings,
+            feet,
+            plants,
+            integral: Vec2::zeros(),
+            state: State::new(model),
+            tau: vec![0.0; model.nv()],
+            goal: model.skeleton.zero_pose(),
+            still: vec![0.0; model.nv()],
+        }
+    }
+
+    /// Bodies of the legs it drives: thigh, shin, foot of each foot.
+    pub fn bodies(&self, model: &Model) -> Vec<usize> {
+        self.feet
+            .iter()
+            .flat_map(|f| [f.limb.upper, f.limb.lower, f.limb.end].map(|l| model.body_of[l].0))
+            .collect()
+    }
+
+    /// Writes the drives of the stance legs for the next step of `dt` seconds.
+    ///
+    /// `q`, `v`: simulated state. `goal_q`, `goal_v`: pose and velocity asked for at the end of the step.
+    /// `lift`: vertical acceleration of the goal's centre of mass, m/s². `muscles`: per body.
+    ///
+    /// # Errors
+    /// Limbs that two-bone IK cannot solve.
+    #[expect(clippy::too_many_arguments, reason = "a step's inputs, each used once")]
+    pub fn update(
+        &mut self,
+        model: &Model,
+        set_points: &[SetPoints],
+        muscles: &[LegMuscle],
+        (q, v): (&[f64], &[f64]),
+        (goal_q, goal_v): (&[f64], &[f64]),
+        lift: f64,
+        dt: f64,
+        drives: &mut [Drive],
+    ) -> Result<(), IkError> {
+        let s = self.settings;
+        let skeleton = &model.skeleton;
+        self.goal.copy_from_slice(goal_q);
+        self.state.update(model, goal_q, &self.still);
+        let wanted = self.state.com(model);
+
+        self.state.update(model, q, v);
+        let momentum = self.state.momentum(model);
+        let support = polygon(&self.feet, model, &self.state);
+        let com = momentum.com;
+        let floor = self.plants.iter().map(|p| p.world_from_end.translation.y).fold(f64::INFINITY, f64::min);
+        let g = model.gravity.norm();
+        let omega = (g / (com.y - floor).max(0.2)).sqrt();
+        let error = ground(&com) - ground(&wanted);
+        let rate = ground(&(momentum.linear / model.mass)) / omega;
+
+        self.integral += error * (s.shift_rate * dt);
+        self.integral = limit(self.integral, s.shift_limit_m);
+        let shift = limit(-(error * s.shift + rate * s.shift_damping) - self.integral, s.shift_limit_m);
+        let root = skeleton.position(goal_q, 0) + Vec3::new(shift.x, 0.0, shift.y);
+        skeleton.set_position(&mut self.goal, 0, &root);
+        plant(skeleton, &mut self.goal, &self.plants)?;
+
+        // the legs carry the body as it stands
+        let pressure = ground(&com) + error * s.pressure + rate * s.pressure_damping;
+        let pressure = clamp_inside(&support, pressure, s.margin_m);
+        let force = (Vec3::y() * lift - model.gravity) * model.mass;
+        let force = if force.y > 0.0 { force } else { Vec3::zeros() };
+        self.state.update(model, q, &self.still);
+        let loads = wrenches(&self.feet, model, &self.state, pressure, force);
+        self.state.inverse_dynamics(model, &self.still, &self.still, &loads, &mut self.tau);
+        let centers: Vec<Vec3> = self.feet.iter().map(|f| f.center(model, &self.state)).collect();
+        let shares = shares(&centers, pressure);
+
+        for (f, foot) in self.feet.iter().enumerate() {
+            for link in [foot.limb.upper, foot.limb.lower, foot.limb.end] {
+                let body = model.body_of[link].0;
+                let b = &model.bodies[body];
+                let muscle = muscles[body];
+                let rate = dynamics::rnea::joint_force(&b.joint, goal_v, b.v_at) * muscle.damping;
+                let load = -dynamics::rnea::joint_force(&b.joint, &self.tau, b.v_at) - rate;
+                let target = rest_of(model, body, &self.goal);
+                drives[body] = Drive {
+                    stiffness: muscle.stiffness,
+                    damping: muscle.damping,
+                    rest: set_points[body].rest(&target, load, muscle.stiffness),
+                };
+            }
+            let ankle = model.body_of[foot.limb.end].0;
+            self.limit_ankle(model, ankle, foot, force.y * shares[f], q, v, &mut drives[ankle]);
+        }
+        Ok(())
+    }
+
+    /// Limits the ankle's torque so that the foot's own centre of pressure stays inside its sole.
+    ///
+    /// For a foot of little mass under a vertical force F, τ = −r × F ŷ: r_z = τ_x/F, r_x = −τ_z/F, with
+    /// r from the ankle to the centre of pressure.
+    #[expect(clippy::too_many_arguments, reason = "a step's inputs, each used once")]
+    fn limit_ankle(
+        &self,
+        model: &Model,
+        body: usize,
+        foot: &Foot,
+        force: f64,
+        q: &[f64],
+        v: &[f64],
+        drive: &mut Drive,
+    ) {
+        let b = &model.bodies[body];
+        let (Rest::Ball(rest), true) = (drive.rest, force > 1.0) else { return };
+        let now = quat_at(q, b.q_at);
+        let omega = vec_at(v, b.v_at);
+        let torque = log(&(rest * now.inverse())) * drive.stiffness - omega * drive.damping;
+        let zero = self.state.bodies[body].zero;
+        let mut world = zero * torque;
+        let ankle = ground(&self.state.bodies[body].world.translation.vector);
+        let pressure = ankle + Vec2::new(-world.z / force, world.x / force);
+        let corners = foot.corners_in_world(model, &self.state);
+        let inside = clamp_inside(&Support::of(corners.iter()), pressure, self.settings.margin_m);
+        if inside == pressure {
+            return;
+        }
+        let r = inside - ankle;
+        world.x = r.y * force;
+        world.z = -r.x * force;
+        let torque = zero.transpose() * world + omega * drive.damping;
+        drive.rest = Rest::Ball(exp(&(torque / drive.stiffness)) * now);
+    }
+}
+
+fn limit(x: Vec2, length: f64) -> Vec2 {
+    let n = x.norm();
+    if n > length { x * (length / n) } else { x }
+}

@@ -1,0 +1,75 @@
+//! Drives: stiffness, damping and rest of one joint, the folded form of an antagonistic pair.
+//!
+//! Two springs with set points `lo < hi` and gains `k_lo`, `k_hi` are one spring of stiffness
+//! `K = k_lo + k_hi` resting at `(k_lo lo + k_hi hi) / K`: the torque is `K (rest − θ) − k_d θ̇`, for a
+//! ball `K log(R_rest Rᵀ) − k_d ω`. Torques along the joint's zero frame.
+
+use dynamics::Model;
+use motion::rotation::{log, slerp};
+use motion::skeleton::{quat_at, vec_at};
+use motion::{Joint, Quat, Vec3};
+
+/// Where a joint would rest without load.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Rest {
+    /// Angle of a hinge (rad) or distance of a slide (m).
+    Scalar(f64),
+    /// Rotation of a ball.
+    Ball(Quat),
+    /// The joint is not actuated: a free root, a weld.
+    None,
+}
+
+/// Where the joint of a moving body is in the pose `q`.
+pub fn rest_of(model: &Model, body: usize, q: &[f64]) -> Rest {
+    let b = &model.bodies[body];
+    match b.joint {
+        Joint::Revolute(_) | Joint::Prismatic(_) => Rest::Scalar(q[b.q_at]),
+        Joint::Spherical => Rest::Ball(quat_at(q, b.q_at)),
+        Joint::Free | Joint::Fixed => Rest::None,
+    }
+}
+
+impl Rest {
+    /// Rest between `self` and `other` at the fraction `s`: linear, or slerp.
+    pub fn blend(&self, other: &Rest, s: f64) -> Rest {
+        match (self, other) {
+            (Rest::Scalar(a), Rest::Scalar(b)) => Rest::Scalar(a + (b - a) * s),
+            (Rest::Ball(a), Rest::Ball(b)) => Rest::Ball(slerp(a, b, s)),
+            _ => *other,
+        }
+    }
+}
+
+/// One joint's spring and damper for one step. See the module header.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Drive {
+    /// Stiffness K, N·m/rad (N/m for slides).
+    pub stiffness: f64,
+    /// Damping k_d, N·m·s/rad (N·s/m for slides).
+    pub damping: f64,
+    /// Unloaded rest.
+    pub rest: Rest,
+}
+
+impl Drive {
+    /// A joint without muscles.
+    pub const NONE: Self = Self { stiffness: 0.0, damping: 0.0, rest: Rest::None };
+
+    /// Torque of the pair on the joint (N·m; for slides the force along the axis in `.x`).
+    ///
+    /// `q`, `v` are the whole pose and velocity; `q_at`, `v_at` say where the joint's values start. For
+    /// hinges the torque about the axis is in `.x`, for balls it is a vector along the zero frame.
+    pub fn torque(&self, joint: &Joint, q: &[f64], q_at: usize, v: &[f64], v_at: usize) -> Vec3 {
+        match (joint, self.rest) {
+            (Joint::Revolute(_) | Joint::Prismatic(_), Rest::Scalar(rest)) => {
+                Vec3::x() * (self.stiffness * (rest - q[q_at]) - self.damping * v[v_at])
+            }
+            (Joint::Spherical, Rest::Ball(rest)) => {
+                let error = log(&(rest * quat_at(q, q_at).inverse()));
+                error * self.stiffness - vec_at(v, v_at) * self.damping
+            }
+            _ => Vec3::zeros(),
+        }
+    }
+}

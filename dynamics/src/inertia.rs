@@ -1,0 +1,150 @@
+//! Inertia of the whole body: mass matrix, centre of mass, momentum, energy, gravity stiffness.
+//!
+//! In: a [`Model`] and its [`State`] at (q, v). Out: M(q) by the composite-rigid-body algorithm
+//! (Featherstone 2008, §6.2), momentum, energies, and the second derivative of the gravity potential.
+
+use motion::Vec3;
+use nalgebra::{DMatrix, Matrix3};
+
+use crate::model::{Model, State, for_each_axis, fuse, point_inertia};
+
+/// Linear and angular momentum with the point they belong to.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Momentum {
+    /// Centre of mass, world, m.
+    pub com: Vec3,
+    /// Linear momentum, N·s.
+    pub linear: Vec3,
+    /// Angular momentum about the centre of mass, N·m·s.
+    pub angular: Vec3,
+}
+
+impl State {
+    /// Mass matrix (`nv × nv`), symmetric positive definite when every joint carries mass.
+    ///
+    /// `v̇ᵀ M v̇ / 2` is the kinetic energy; rows follow the layout of `v`.
+    pub fn mass_matrix(&mut self, model: &Model, m: &mut DMatrix<f64>) {
+        m.fill(0.0);
+        self.update_composites(model);
+        for (i, b) in model.bodies.iter().enumerate() {
+            let (mass, com, inertia) = self.composite[i];
+            let s = &self.bodies[i];
+            for_each_axis(b, &s.zero, |k, linear, angular| {
+                // momentum of everything outboard when only this axis moves at unit rate
+                let p = (linear + angular.cross(&(com - s.world.translation.vector))) * mass;
+                let h = inertia * angular;
+                let mut up = Some(i);
+                while let Some(a) = up {
+                    let sa = &self.bodies[a];
+                    let about = h + (com - sa.world.translation.vector).cross(&p);
+                    for_each_axis(&model.bodies[a], &sa.zero, |l, lin_a, ang_a| {
+                        let value = lin_a.dot(&p) + ang_a.dot(&about);
+                        m[(k, l)] = value;
+                        m[(l, k)] = value;
+                    });
+                    up = model.bodies[a].parent;
+                }
+            });
+        }
+    }
+
+    /// Mass, centre of mass and inertia (about it, world axes) of each body with all it carries.
+    pub fn composites(&mut self, model: &Model) -> &[(f64, Vec3, Matrix3<f64>)] {
+        self.update_composites(model);
+        &self.composite
+    }
+
+    fn update_composites(&mut self, model: &Model) {
+        for (i, b) in model.bodies.iter().enumerate() {
+            self.composite[i] = (b.mass, self.bodies[i].com, self.bodies[i].inertia);
+        }
+        for i in (1..model.bodies.len()).rev() {
+            if let Some(p) = model.bodies[i].parent {
+                self.composite[p] = fuse(self.composite[p], self.composite[i]);
+            }
+        }
+    }
+
+    /// Centre of mass of the whole body, world, m.
+    pub fn com(&self, model: &Model) -> Vec3 {
+        let sum: Vec3 = model.bodies.iter().zip(&self.bodies).map(|(b, s)| s.com * b.mass).sum();
+        sum / model.mass
+    }
+
+    /// Momentum of the whole body.
+    pub fn momentum(&self, model: &Model) -> Momentum {
+        let com = self.com(model);
+        let (mut linear, mut angular) = (Vec3::zeros(), Vec3::zeros());
+        for (i, b) in model.bodies.iter().enumerate() {
+            let s = &self.bodies[i];
+            let p = self.com_velocity(i) * b.mass;
+            linear += p;
+            angular += s.inertia * s.omega + (s.com - com).cross(&p);
+        }
+        Momentum { com, linear, angular }
+    }
+
+    /// Kinetic and potential energy, J; the potential is zero for masses at the world's origin.
+    pub fn energy(&self, model: &Model) -> (f64, f64) {
+        let (mut kinetic, mut potential) = (0.0, 0.0);
+        for (i, b) in model.bodies.iter().enumerate() {
+            let s = &self.bodies[i];
+            kinetic += 0.5 * b.mass * self.com_velocity(i).norm_squared()
+                + 0.5 * s.omega.dot(&(s.inertia * s.omega));
+            potential -= b.mass * model.gravity.dot(&s.com);
+        }
+        (kinetic, potential)
+    }
+
+    /// Second derivative of the gravity potential, ∂²V/∂q² (`nv × nv`, N·m/rad), by the joint axes.
+    ///
+    /// Entry (i, j), j outboard of i: m g·(aᵢ × (aⱼ × (c − pⱼ))) with the mass m and centre c of all
+    /// that axis j carries; negative on the diagonal where gravity topples. Axes of one ball joint do
+    /// not commute: the symmetric part is taken, which is the Hessian in exponential coordinates.
+    pub fn gravity_stiffness(&mut self, model: &Model, h: &mut DMatrix<f64>) {
+        h.fill(0.0);
+        self.update_composites(model);
+        for (j, bj) in model.bodies.iter().enumerate() {
+            let (mass, com, _) = self.composite[j];
+            let sj = &self.bodies[j];
+            let arm = com - sj.world.translation.vector;
+            for_each_axis(bj, &sj.zero, |l, linear_j, angular_j| {
+                let moved = linear_j + angular_j.cross(&arm);
+                let mut up = Some(j);
+                while let Some(i) = up {
+                    let si = &self.bodies[i];
+                    for_each_axis(&model.bodies[i], &si.zero, |k, _, angular_i| {
+                        let value = if i == j {
+                            // a slide of the same joint does not turn with it
+                            let (turned, other) = (angular_j.cross(&arm), angular_i.cross(&arm));
+                            let sum = angular_i.cross(&turned) + angular_j.cross(&other);
+                            -0.5 * mass * model.gravity.dot(&sum)
+                        } else {
+                            -mass * model.gravity.dot(&angular_i.cross(&moved))
+                        };
+                        h[(k, l)] = value;
+                        h[(l, k)] = value;
+                    });
+                    up = model.bodies[i].parent;
+                }
+            });
+        }
+    }
+
+    /// Inertia about each rotation axis of everything *inboard* of it: the whole body less what the
+    /// axis carries, about the axis (`nv`, kg·m²); zero for sliding axes.
+    ///
+    /// What a planted foot moves when its ankle turns.
+    pub fn inboard_inertia(&mut self, model: &Model, out: &mut [f64]) {
+        self.update_composites(model);
+        out.fill(0.0);
+        for (i, b) in model.bodies.iter().enumerate() {
+            let s = &self.bodies[i];
+            let origin = s.world.translation.vector;
+            let about =
+                |(mass, com, inertia): (f64, Vec3, Matrix3<f64>)| inertia + point_inertia(mass, com - origin);
+            let rest = about(self.composite[0]) - about(self.composite[i]);
+            for_each_axis(b, &s.zero, |k, _, angular| out[k] = angular.dot(&(rest * angular)));
+        }
+    }
+}

@@ -1,0 +1,267 @@
+//! Model and scratch: a character compiled for dynamics, and the memory its algorithms reuse.
+//!
+//! In: a [`Character`]. Out: an immutable [`Model`] of moving bodies (links welded by `Fixed` joints are
+//! fused into the body that carries them) and a [`State`] of world-frame kinematics that RNEA, the mass
+//! matrix, momentum and energy share. Nothing here allocates after construction.
+//!
+//! Everything is expressed along world axes at the bodies' own origins: the spatial algebra of
+//! Featherstone (Rigid Body Dynamics Algorithms, 2008) written out in 3-vectors. `q` and `v` follow
+//! [`motion::skeleton`]: velocities are along the axes of each joint's zero frame.
+
+use std::sync::Arc;
+
+use motion::skeleton::vec_at;
+use motion::{Joint, Skeleton, Transform, Vec3};
+use nalgebra::Matrix3;
+
+use crate::Character;
+
+/// One moving body: a link and every link welded to it.
+#[derive(Clone, Debug)]
+pub struct MovingBody {
+    /// The link whose joint moves it.
+    pub link: usize,
+    /// The body that carries it.
+    pub parent: Option<usize>,
+    /// Zero frame of its joint in the parent body's frame.
+    pub parent_from_zero: Transform,
+    /// Its joint.
+    pub joint: Joint,
+    /// Start of its joint value in `q`.
+    pub q_at: usize,
+    /// Start of its joint velocity in `v`.
+    pub v_at: usize,
+    /// Fused mass, kg.
+    pub mass: f64,
+    /// Fused centre of mass in the body's frame (that of its link), m.
+    pub com: Vec3,
+    /// Fused inertia about `com`, body axes, kg·m².
+    pub inertia: Matrix3<f64>,
+}
+
+/// A character compiled for dynamics. See the module header.
+#[derive(Clone, Debug)]
+pub struct Model {
+    /// Layout of `q` and `v`.
+    pub skeleton: Arc<Skeleton>,
+    /// Moving bodies, parents first.
+    pub bodies: Vec<MovingBody>,
+    /// For every link: the body it belongs to, and the link's frame in that body's frame.
+    pub body_of: Vec<(usize, Transform)>,
+    /// Total mass, kg.
+    pub mass: f64,
+    /// Gravity, world, m/s².
+    pub gravity: Vec3,
+}
+
+impl Model {
+    /// Compiles a character; `gravity` in m/s², world.
+    ///
+    /// A root welded to the world stays a body of its own, without degrees of freedom.
+    pub fn new(character: &Character, gravity: Vec3) -> Self {
+        let skeleton = character.skeleton.clone();
+        let mut bodies: Vec<MovingBody> = Vec::new();
+        let mut body_of: Vec<(usize, Transform)> = Vec::new();
+        for (i, link) in skeleton.links().iter().enumerate() {
+            let source = &character.bodies[i];
+            let (parent, parent_from_zero) = match link.parent {
+                Some(p) => {
+                    let (body, body_from_link) = body_of[p];
+                    (Some(body), body_from_link * link.parent_from_zero)
+                }
+                None => (None, link.parent_from_zero),
+            };
+            if let (Joint::Fixed, Some(p)) = (link.joint, parent) {
+                let com = (parent_from_zero * nalgebra::Point3::from(source.com)).coords;
+                let r = parent_from_zero.rotation.to_rotation_matrix();
+                let inertia = r.matrix() * source.inertia * r.matrix().transpose();
+                let b = &mut bodies[p];
+                (b.mass, b.com, b.inertia) = fuse((b.mass, b.com, b.inertia), (source.mass, com, inertia));
+                body_of.push((p, parent_from_zero));
+                continue;
+            }
+            body_of.push((bodies.len(), Transform::identity()));
+            bodies.push(MovingBody {
+                link: i,
+                parent,
+                parent_from_zero,
+                joint: link.joint,
+                q_at: skeleton.q_at(i),
+                v_at: skeleton.v_at(i),
+                mass: source.mass,
+                com: source.com,
+                inertia: source.inertia,
+            });
+        }
+        let mass = bodies.iter().map(|b| b.mass).sum();
+        Self { skeleton, bodies, body_of, mass, gravity }
+    }
+
+    /// Degrees of freedom.
+    pub fn nv(&self) -> usize {
+        self.skeleton.nv()
+    }
+
+    /// Whether `ancestor` carries `body` (or is it).
+    pub fn carries(&self, ancestor: usize, body: usize) -> bool {
+        let mut up = Some(body);
+        while let Some(b) = up {
+            if b == ancestor {
+                return true;
+            }
+            up = self.bodies[b].parent;
+        }
+        false
+    }
+}
+
+/// Mass, centre of mass and inertia of two rigid bodies taken as one (parallel-axis theorem).
+pub fn fuse(a: (f64, Vec3, Matrix3<f64>), b: (f64, Vec3, Matrix3<f64>)) -> (f64, Vec3, Matrix3<f64>) {
+    let mass = a.0 + b.0;
+    if mass == 0.0 {
+        return a;
+    }
+    let com = (a.1 * a.0 + b.1 * b.0) / mass;
+    let inertia = a.2 + point_inertia(a.0, a.1 - com) + b.2 + point_inertia(b.0, b.1 - com);
+    (mass, com, inertia)
+}
+
+/// Inertia of a point mass at `r` about the origin: m (|r|² 1 − r rᵀ).
+pub fn point_inertia(mass: f64, r: Vec3) -> Matrix3<f64> {
+    (Matrix3::identity() * r.norm_squared() - r * r.transpose()) * mass
+}
+
+/// World-frame kinematics of one body.
+#[derive(Clone, Copy, Debug)]
+pub struct BodyState {
+    /// `world_from_body`.
+    pub world: Transform,
+    /// Rotation of the joint's zero frame in the world: the axes of `v`.
+    pub zero: Matrix3<f64>,
+    /// Centre of mass, world, m.
+    pub com: Vec3,
+    /// Inertia about the centre of mass, world axes, kg·m².
+    pub inertia: Matrix3<f64>,
+    /// Angular velocity, world, rad/s.
+    pub omega: Vec3,
+    /// Velocity of the body's origin, world, m/s.
+    pub velocity: Vec3,
+}
+
+/// Kinematics of all bodies of a model in one state, and scratch for the algorithms.
+#[derive(Clone, Debug)]
+pub struct State {
+    /// One per body.
+    pub bodies: Vec<BodyState>,
+    pub(crate) alpha: Vec<Vec3>,
+    pub(crate) accel: Vec<Vec3>,
+    pub(crate) force: Vec<Vec3>,
+    pub(crate) moment: Vec<Vec3>,
+    pub(crate) composite: Vec<(f64, Vec3, Matrix3<f64>)>,
+}
+
+impl State {
+    /// Memory for `model`, at the zero pose and at rest.
+    pub fn new(model: &Model) -> Self {
+        let n = model.bodies.len();
+        let body = BodyState {
+            world: Transform::identity(),
+            zero: Matrix3::identity(),
+            com: Vec3::zeros(),
+            inertia: Matrix3::zeros(),
+            omega: Vec3::zeros(),
+            velocity: Vec3::zeros(),
+        };
+        let mut state = Self {
+            bodies: vec![body; n],
+            alpha: vec![Vec3::zeros(); n],
+            accel: vec![Vec3::zeros(); n],
+            force: vec![Vec3::zeros(); n],
+            moment: vec![Vec3::zeros(); n],
+            composite: vec![(0.0, Vec3::zeros(), Matrix3::zeros()); n],
+        };
+        state.update(model, &model.skeleton.zero_pose(), &vec![0.0; model.nv()]);
+        state
+    }
+
+    /// Recomputes positions and velocities for the pose `q` (`nq`) and velocity `v` (`nv`).
+    pub fn update(&mut self, model: &Model, q: &[f64], v: &[f64]) {
+        for (i, b) in model.bodies.iter().enumerate() {
+            let (parent_world, omega_p, velocity_p, origin_p) = match b.parent {
+                Some(p) => {
+                    let s = &self.bodies[p];
+                    (s.world, s.omega, s.velocity, s.world.translation.vector)
+                }
+                None => (Transform::identity(), Vec3::zeros(), Vec3::zeros(), Vec3::zeros()),
+            };
+            let zero = parent_world * b.parent_from_zero;
+            let world = zero * model.skeleton.joint_transform(q, b.link);
+            let zero_r = *zero.rotation.to_rotation_matrix().matrix();
+            let (linear, angular) = joint_motion(&b.joint, v, b.v_at);
+            let r = world.rotation.to_rotation_matrix();
+            let s = &mut self.bodies[i];
+            s.world = world;
+            s.zero = zero_r;
+            s.com = (world * nalgebra::Point3::from(b.com)).coords;
+            s.inertia = r.matrix() * b.inertia * r.matrix().transpose();
+            s.omega = omega_p + zero_r * angular;
+            let arm = world.translation.vector - origin_p;
+            s.velocity = velocity_p + omega_p.cross(&arm) + zero_r * linear;
+        }
+    }
+
+    /// Velocity of a body's centre of mass, world, m/s.
+    pub fn com_velocity(&self, body: usize) -> Vec3 {
+        let s = &self.bodies[body];
+        s.velocity + s.omega.cross(&(s.com - s.world.translation.vector))
+    }
+
+    /// World position of a point given in a link's frame, m.
+    pub fn point(&self, model: &Model, link: usize, at: &Vec3) -> Vec3 {
+        let (body, body_from_link) = model.body_of[link];
+        (self.bodies[body].world * body_from_link * nalgebra::Point3::from(*at)).coords
+    }
+
+    /// World velocity of a point that moves with a link, m/s.
+    pub fn point_velocity(&self, model: &Model, link: usize, at: &Vec3) -> Vec3 {
+        let s = &self.bodies[model.body_of[link].0];
+        let arm = self.point(model, link, at) - s.world.translation.vector;
+        s.velocity + s.omega.cross(&arm)
+    }
+}
+
+/// Linear and angular part of a joint's motion `S v`, along its zero frame's axes.
+pub(crate) fn joint_motion(joint: &Joint, v: &[f64], at: usize) -> (Vec3, Vec3) {
+    match joint {
+        Joint::Free => (vec_at(v, at), vec_at(v, at + 3)),
+        Joint::Spherical => (Vec3::zeros(), vec_at(v, at)),
+        Joint::Revolute(axis) => (Vec3::zeros(), axis * v[at]),
+        Joint::Prismatic(axis) => (axis * v[at], Vec3::zeros()),
+        Joint::Fixed => (Vec3::zeros(), Vec3::zeros()),
+    }
+}
+
+/// Columns of a joint's motion subspace along world axes: calls `f(dof, linear, angular)` for each.
+pub(crate) fn for_each_axis(body: &MovingBody, zero: &Matrix3<f64>, mut f: impl FnMut(usize, Vec3, Vec3)) {
+    let none = Vec3::zeros();
+    let at = body.v_at;
+    let column = |k: usize| zero.column(k).into_owned();
+    match &body.joint {
+        Joint::Free => {
+            for k in 0..3 {
+                f(at + k, column(k), none);
+            }
+            for k in 0..3 {
+                f(at + 3 + k, none, column(k));
+            }
+        }
+        Joint::Spherical => {
+            for k in 0..3 {
+                f(at + k, none, column(k));
+            }
+        }
+        Joint::Revolute(axis) => f(at, none, zero * axis),
+        Joint::Prismatic(axis) => f(at, zero * axis, none),
+        Joint::Fixed => {}
+    }
+}

@@ -1,0 +1,231 @@
+//! Traces as `trace.npz`: plain numpy arrays, readable without pickle and without this project.
+//!
+//! In: a [`Trace`]. Out: an uncompressed zip of `.npy` arrays. Same trace, same bytes: time stamps are
+//! fixed and the wall time is left out. Writing only; analysis belongs to the reader.
+//!
+//! Layout (`n` rows, `L` links, `c` contacts; `q` and `v` as in [`motion::skeleton`]):
+//!
+//! | array | shape | holds |
+//! |---|---|---|
+//! | `rate_hz`, `substeps`, `ground_m` | scalar | as in [`Trace`]; `ground_m` is NaN without ground |
+//! | `gravity` | 3 | m/s² |
+//! | `root_mode` | scalar text | `free`, `assisted` or `pinned` |
+//! | `root_limit` | 2 | budget, N and N·m: zero when free, infinite when pinned |
+//! | `q`, `target` | n × nq | poses; lengths in m, angles in rad, quaternions `w x y z` |
+//! | `v`, `torque`, `k_lo`, `k_hi`, `kd` | n × nv | as in [`Trace`] |
+//! | `root_wrench`, `momentum` | n × 6 | as in [`Trace`] |
+//! | `com` | n × 3 | m |
+//! | `energy` | n × 2 | J |
+//! | `link_com` | n × 3L | world centres of mass, m; absent when not recorded |
+//! | `contact_row`, `contact_link` | c | indices |
+//! | `contact_point`, `contact_force` | c × 3 | m, N |
+//! | `contact_depth` | c | m |
+//! | `link_name`, `joint_type` | L | text |
+//! | `link_parent` | L | −1 for the root |
+//! | `link_mass`, `link_com_local`, `link_inertia` | L, L × 3, L × 9 | kg; m, kg·m², link frame |
+//! | `link_offset` | L × 7 | `parent_from_zero`: position (m), quaternion `w x y z` |
+//! | `joint_axis` | L × 3 | of hinges and slides; zero for others |
+//! | `joint_q_at`, `joint_v_at` | L | first column of the joint in `q` and `v` |
+//! | `dof_name` | nv | text: the link's name, with `.rx` and the like where a joint has several |
+//! | `units` | u × 2 | text: array, unit |
+//!
+//! Format: numpy `lib.format` 1.0; text is fixed-width UTF-32 (`<U`).
+
+use std::io::{self, BufWriter, Seek, Write};
+use std::path::Path;
+
+use motion::{Joint, Skeleton, Vec3};
+use npyz::npz::NpzWriter;
+use npyz::zip::{CompressionMethod, DateTime, write::FileOptions};
+use npyz::{AutoSerialize, DType, WriterBuilder};
+
+use crate::{RootMode, Trace};
+
+/// Array and unit, in the order of the table written.
+const UNITS: &[(&str, &str)] = &[
+    ("rate_hz", "Hz"),
+    ("substeps", "1"),
+    ("ground_m", "m"),
+    ("gravity", "m/s^2"),
+    ("root_limit", "N, N·m"),
+    ("q", "m, rad, quaternion w x y z"),
+    ("target", "m, rad, quaternion w x y z"),
+    ("v", "m/s, rad/s"),
+    ("torque", "N·m"),
+    ("k_lo", "N·m/rad"),
+    ("k_hi", "N·m/rad"),
+    ("kd", "N·m·s/rad"),
+    ("root_wrench", "N (3), N·m about the root's origin (3)"),
+    ("momentum", "N·s (3), N·m·s about the centre of mass (3)"),
+    ("com", "m"),
+    ("energy", "J"),
+    ("link_com", "m"),
+    ("contact_point", "m"),
+    ("contact_force", "N"),
+    ("contact_depth", "m"),
+    ("link_mass", "kg"),
+    ("link_com_local", "m"),
+    ("link_inertia", "kg·m^2"),
+    ("link_offset", "m, quaternion w x y z"),
+];
+
+impl Trace {
+    /// Writes the trace as `.npz`. See [`crate::trace_npz`] for the arrays.
+    ///
+    /// # Errors
+    /// Those of the writer.
+    pub fn write_npz<W: Write + Seek>(&self, out: W) -> io::Result<()> {
+        let skeleton = &*self.character.skeleton;
+        let links = skeleton.links();
+        let (nq, nv, count) = (skeleton.nq(), skeleton.nv(), links.len());
+        let mut npz = Arrays(NpzWriter::new(out));
+
+        npz.numbers("rate_hz", &[], &[self.rate_hz])?;
+        npz.numbers("substeps", &[], &[self.substeps as i64])?;
+        npz.numbers("ground_m", &[], &[self.ground_m.unwrap_or(f64::NAN)])?;
+        npz.numbers("gravity", &[3], self.gravity.as_slice())?;
+        let (mode, limit) = match self.root {
+            RootMode::Free => ("free", [0.0; 2]),
+            RootMode::Assisted { force_n, moment_nm } => ("assisted", [force_n, moment_nm]),
+            RootMode::Pinned => ("pinned", [f64::INFINITY; 2]),
+        };
+        npz.text("root_mode", &[], &[mode])?;
+        npz.numbers("root_limit", &[2], &limit)?;
+
+        npz.table("q", nq, &self.q)?;
+        npz.table("target", nq, &self.target)?;
+        npz.table("v", nv, &self.v)?;
+        npz.table("torque", nv, &self.torque)?;
+        npz.table("k_lo", nv, &self.k_lo)?;
+        npz.table("k_hi", nv, &self.k_hi)?;
+        npz.table("kd", nv, &self.kd)?;
+        npz.table("root_wrench", 6, &self.root_wrench)?;
+        npz.table("momentum", 6, &self.momentum)?;
+        npz.table("com", 3, &self.com)?;
+        npz.table("energy", 2, &self.energy)?;
+        if !self.link_com.is_empty() {
+            npz.table("link_com", 3 * count, &self.link_com)?;
+        }
+
+        let c = &self.contacts;
+        let flat = |f: fn(&crate::ContactSample) -> Vec3| -> Vec<f64> {
+            c.iter().flat_map(|s| <[f64; 3]>::from(f(s))).collect()
+        };
+        let n = c.len() as u64;
+        npz.numbers("contact_row", &[n], &c.iter().map(|s| s.row as i64).collect::<Vec<_>>())?;
+        npz.numbers("contact_link", &[n], &c.iter().map(|s| s.link as i64).collect::<Vec<_>>())?;
+        npz.table("contact_point", 3, &flat(|s| s.point))?;
+        npz.table("contact_force", 3, &flat(|s| s.force))?;
+        npz.numbers("contact_depth", &[n], &c.iter().map(|s| s.depth).collect::<Vec<_>>())?;
+
+        let n = count as u64;
+        let bodies = &self.character.bodies;
+        npz.text("link_name", &[n], &links.iter().map(|l| l.name.as_str()).collect::<Vec<_>>())?;
+        npz.text("joint_type", &[n], &links.iter().map(|l| joint_type(&l.joint)).collect::<Vec<_>>())?;
+        let parents: Vec<i64> = links.iter().map(|l| l.parent.map_or(-1, |p| p as i64)).collect();
+        npz.numbers("link_parent", &[n], &parents)?;
+        npz.numbers("link_mass", &[n], &bodies.iter().map(|b| b.mass).collect::<Vec<_>>())?;
+        let coms: Vec<f64> = bodies.iter().flat_map(|b| <[f64; 3]>::from(b.com)).collect();
+        npz.table("link_com_local", 3, &coms)?;
+        let inertias: Vec<f64> = bodies.iter().flat_map(|b| b.inertia.iter().copied()).collect();
+        npz.table("link_inertia", 9, &inertias)?;
+        let offsets: Vec<f64> = links
+            .iter()
+            .flat_map(|l| {
+                let (p, r) = (l.parent_from_zero.translation.vector, l.parent_from_zero.rotation);
+                [p.x, p.y, p.z, r.w, r.i, r.j, r.k]
+            })
+            .collect();
+        npz.table("link_offset", 7, &offsets)?;
+        let axes: Vec<f64> = links
+            .iter()
+            .flat_map(|l| match l.joint {
+                Joint::Revolute(a) | Joint::Prismatic(a) => <[f64; 3]>::from(a),
+                _ => [0.0; 3],
+            })
+            .collect();
+        npz.table("joint_axis", 3, &axes)?;
+        let at = |f: fn(&Skeleton, usize) -> usize| -> Vec<i64> {
+            (0..count).map(|i| f(skeleton, i) as i64).collect()
+        };
+        npz.numbers("joint_q_at", &[n], &at(Skeleton::q_at))?;
+        npz.numbers("joint_v_at", &[n], &at(Skeleton::v_at))?;
+        let names = dof_names(skeleton);
+        npz.text("dof_name", &[nv as u64], &names.iter().map(String::as_str).collect::<Vec<_>>())?;
+        let units: Vec<&str> = UNITS.iter().flat_map(|u| [u.0, u.1]).collect();
+        npz.text("units", &[UNITS.len() as u64, 2], &units)?;
+        npz.0.zip_writer().finish()?.flush()
+    }
+
+    /// Writes the trace to a file, under a temporary name first: a failure leaves an earlier file whole.
+    ///
+    /// # Errors
+    /// Those of the file system.
+    pub fn save_npz(&self, path: &Path) -> io::Result<()> {
+        let mut name = path.file_name().unwrap_or_default().to_os_string();
+        name.push(".tmp");
+        let temporary = path.with_file_name(name);
+        let written = std::fs::File::create(&temporary).and_then(|f| self.write_npz(BufWriter::new(f)));
+        let done = written.and_then(|()| std::fs::rename(&temporary, path));
+        if done.is_err() {
+            let _ = std::fs::remove_file(&temporary);
+        }
+        done
+    }
+}
+
+struct Arrays<W: Write + Seek>(NpzWriter<W>);
+
+impl<W: Write + Seek> Arrays<W> {
+    fn numbers<T: AutoSerialize>(&mut self, name: &str, shape: &[u64], data: &[T]) -> io::Result<()> {
+        let mut array = self.0.array(name, options())?.default_dtype().shape(shape).begin_nd()?;
+        array.extend(data)?;
+        array.finish()
+    }
+
+    fn table(&mut self, name: &str, columns: usize, data: &[f64]) -> io::Result<()> {
+        let rows = data.len() / columns.max(1);
+        self.numbers(name, &[rows as u64, columns as u64], data)
+    }
+
+    fn text(&mut self, name: &str, shape: &[u64], data: &[&str]) -> io::Result<()> {
+        let width = data.iter().map(|s| s.chars().count()).max().unwrap_or(0).max(1);
+        let dtype = format!("<U{width}").parse().map_err(io::Error::other)?;
+        let array = self.0.array::<str>(name, options())?;
+        let mut array = array.dtype(DType::Plain(dtype)).shape(shape).begin_nd()?;
+        data.iter().try_for_each(|s| array.push(s))?;
+        array.finish()
+    }
+}
+
+/// Stored: deflating 6 MB of noise-like mantissas costs more time than it saves space.
+fn options() -> FileOptions {
+    FileOptions::default()
+        .compression_method(CompressionMethod::Stored)
+        .last_modified_time(DateTime::default())
+        .unix_permissions(0o644)
+}
+
+fn joint_type(joint: &Joint) -> &'static str {
+    match joint {
+        Joint::Free => "free",
+        Joint::Spherical => "spherical",
+        Joint::Revolute(_) => "revolute",
+        Joint::Prismatic(_) => "prismatic",
+        Joint::Fixed => "fixed",
+    }
+}
+
+fn dof_names(skeleton: &Skeleton) -> Vec<String> {
+    let several = |name: &str, axes: &[&str]| axes.iter().map(|a| format!("{name}.{a}")).collect();
+    skeleton
+        .links()
+        .iter()
+        .flat_map(|l| match l.joint {
+            Joint::Free => several(&l.name, &["tx", "ty", "tz", "rx", "ry", "rz"]),
+            Joint::Spherical => several(&l.name, &["rx", "ry", "rz"]),
+            Joint::Revolute(_) | Joint::Prismatic(_) => vec![l.name.clone()],
+            Joint::Fixed => Vec::new(),
+        })
+        .collect()
+}

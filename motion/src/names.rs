@@ -1,0 +1,88 @@
+//! Names people mistype: the nearest known name, for error messages.
+//!
+//! In: a name and the known ones. Out: the known name at the least edit distance, if it is near
+//! enough to be a slip. Distance counts insertions, deletions, substitutions and swaps of neighbours.
+
+/// The candidate nearest to `name`, or `None` if none is within half the length of the longer name.
+///
+/// Upper and lower case count as the same letter; the first of several equally near candidates wins.
+///
+/// # Examples
+/// ```
+/// use motion::names::nearest;
+/// assert_eq!(nearest("elbw_r", ["elbow_l", "elbow_r"]), Some("elbow_r"));
+/// assert_eq!(nearest("tail", ["elbow_l", "elbow_r"]), None);
+/// ```
+pub fn nearest<'a>(name: &str, candidates: impl IntoIterator<Item = &'a str>) -> Option<&'a str> {
+    let mut best: Option<(usize, &str)> = None;
+    for candidate in candidates {
+        let d = distance(name, candidate);
+        let longest = name.chars().count().max(candidate.chars().count());
+        if 2 * d <= longest && best.is_none_or(|(least, _)| d < least) {
+            best = Some((d, candidate));
+        }
+    }
+    best.map(|(_, c)| c)
+}
+
+/// The end of an error message: `; did you mean …?`, and what exists where nothing is near.
+///
+/// At most 40 names are listed.
+pub fn hint<'a>(name: &str, candidates: impl IntoIterator<Item = &'a str>) -> String {
+    let all: Vec<&str> = candidates.into_iter().collect();
+    if let Some(near) = nearest(name, all.iter().copied()) {
+        return format!("; did you mean `{near}`?");
+    }
+    match all.len() {
+        0 => "; there are none".into(),
+        n if n > 40 => format!("; there are {n}: {}, …", all[..40].join(", ")),
+        _ => format!("; there are: {}", all.join(", ")),
+    }
+}
+
+/// Edit distance (optimal string alignment) without regard to case.
+pub fn distance(a: &str, b: &str) -> usize {
+    let a: Vec<char> = a.chars().flat_map(char::to_lowercase).collect();
+    let b: Vec<char> = b.chars().flat_map(char::to_lowercase).collect();
+    let width = b.len() + 1;
+    let mut d = vec![0; (a.len() + 1) * width];
+    for i in 0..=a.len() {
+        for j in 0..=b.len() {
+            d[i * width + j] = if i == 0 || j == 0 {
+                i + j
+            } else {
+                let change = usize::from(a[i - 1] != b[j - 1]);
+                let mut least = (d[(i - 1) * width + j] + 1)
+                    .min(d[i * width + j - 1] + 1)
+                    .min(d[(i - 1) * width + j - 1] + change);
+                if i > 1 && j > 1 && a[i - 1] == b[j - 2] && a[i - 2] == b[j - 1] {
+                    least = least.min(d[(i - 2) * width + j - 2] + 1);
+                }
+                least
+            };
+        }
+    }
+    d[a.len() * width + b.len()]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn one_slip_is_one_step() {
+        for (a, b) in [("elbow", "elbw"), ("elbow", "elbwo"), ("elbow", "elbox"), ("elbow", "elboww")] {
+            assert_eq!(distance(a, b), 1, "{a} {b}");
+            assert_eq!(distance(b, a), 1, "{a} {b}");
+        }
+        assert_eq!(distance("Elbow_R", "elbow_r"), 0);
+        assert_eq!(distance("", "abc"), 3);
+    }
+
+    #[test]
+    fn hints_name_the_nearest_or_list_all() {
+        assert_eq!(hint("wvae", ["wave", "bow"]), "; did you mean `wave`?");
+        assert_eq!(hint("zzzz", ["wave", "bow"]), "; there are: wave, bow");
+        assert_eq!(hint("zzzz", []), "; there are none");
+    }
+}

@@ -1,0 +1,290 @@
+//! The dynamic pass: a motion performed by a body with muscles.
+//!
+//! In: a [`Pass`] (controller setup, world settings, root mode, pushes). Out: an [`Outcome`]: the trace,
+//! where joints sagged, whether and when the body fell or the run diverged. One control step per row
+//! of the goal.
+
+use std::sync::Arc;
+use std::time::Instant;
+
+use controllers::assist::{self, Budget};
+use controllers::{Controller, Sagging, Setup};
+use dynamics::{Character, ContactSample, RootMode, State, Trace, Wrench};
+use motion::Vec3;
+use motion::ik::IkError;
+use thiserror::Error;
+
+use crate::world::{Ground, World, WorldError, WorldSettings};
+
+/// Why a pass cannot start or go on.
+#[derive(Clone, Debug, PartialEq, Error)]
+pub enum PassError {
+    /// Of the engine.
+    #[error(transparent)]
+    World(#[from] WorldError),
+    /// Of the legs' inverse kinematics.
+    #[error(transparent)]
+    Ik(#[from] IkError),
+}
+
+/// A push from outside during a run.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Push {
+    /// Link pushed.
+    pub link: usize,
+    /// Point in the link's frame, m.
+    pub at: Vec3,
+    /// Force, world, N.
+    pub force: Vec3,
+    /// When it begins, s.
+    pub start_s: f64,
+    /// How long it lasts, s.
+    pub duration_s: f64,
+}
+
+/// Everything a run needs.
+pub struct Pass {
+    /// The controller's setup; its goal fixes the control rate and the length.
+    pub setup: Setup,
+    /// Engine substeps per control step; `None` takes two, or more until ω₀ dt/2 ≤ 0.1 in every joint.
+    pub substeps: Option<usize>,
+    /// What holds the root.
+    pub root: RootMode,
+    /// Ground plane, if any.
+    pub ground: Option<Ground>,
+    /// Pushes from outside.
+    pub pushes: Vec<Push>,
+}
+
+/// What came of a run.
+pub struct Outcome {
+    /// Everything recorded, up to the end or to where the run diverged.
+    pub trace: Trace,
+    /// Joints that sagged.
+    pub sagging: Vec<Sagging>,
+    /// When the body fell, s.
+    pub fell_s: Option<f64>,
+    /// Why the run stopped early.
+    pub diverged: Option<WorldError>,
+    /// Largest ω₀ dt/2 added to a damping ratio by implicit integration, and the link.
+    pub added_damping: (f64, usize),
+}
+
+/// The largest ω₀ dt/2 a default run accepts.
+const ADDED_DAMPING: f64 = 0.1;
+/// Fraction of the goal's height of the centre of mass below which the body has fallen.
+const FALLEN: f64 = 0.6;
+
+impl Pass {
+    /// Runs the pass; `progress` is called with the fraction done.
+    ///
+    /// # Errors
+    /// [`PassError`] when the body cannot be built or its legs not be solved. A divergence is an outcome,
+    /// not an error: its trace is kept.
+    pub fn run(self, progress: &mut dyn FnMut(f64)) -> Result<Outcome, PassError> {
+        let character = self.setup.character.clone();
+        let gravity = self.setup.gravity;
+        let scripted = self.setup.tracks.is_some();
+        let mut controller = Controller::new(self.setup)?;
+        let rate_hz = controller.goal().rate_hz;
+        let substeps = self.substeps.unwrap_or_else(|| {
+            let needed = controller.added_damping(1.0 / rate_hz).0 / ADDED_DAMPING;
+            (needed.ceil() as usize).clamp(2, 32)
+        });
+        let added_damping = controller.added_damping(1.0 / (rate_hz * substeps as f64));
+        let added_damping = (added_damping.0, controller.model.bodies[added_damping.1].link);
+        let settings = WorldSettings {
+            rate_hz,
+            substeps,
+            gravity,
+            ground: self.ground,
+            pinned: self.root == RootMode::Pinned,
+        };
+        let q = controller.goal().pose(0).to_vec();
+        // scripts start from rest, clips in the middle of a motion
+        let v = if scripted { vec![0.0; q.len()] } else { controller.goal().velocity(0).to_vec() };
+        let v = &v[..controller.model.nv()];
+        let started = Instant::now();
+        let mut world = World::new(&character, settings, &q, v)?;
+        let mut recorder = Recorder::new(&character, &settings, self.root, self.ground);
+        let mut state = State::new(&controller.model);
+        state.update(&controller.model, world.q(), world.v());
+        let rows = controller.goal().rows();
+        recorder.record(&mut state, &world, &controller, 0, None);
+        let (mut fell_s, mut diverged) = (None, None);
+        for row in 1..rows {
+            controller.step(row, world.q(), world.v())?;
+            world.set_drives(controller.drives());
+            let t = (row - 1) as f64 / rate_hz;
+            for push in &self.pushes {
+                if t >= push.start_s - 1e-9 && t < push.start_s + push.duration_s - 1e-9 {
+                    let point = state.point(&controller.model, push.link, &push.at);
+                    let moment = Vec3::zeros();
+                    world.add_wrench(&Wrench { link: push.link, point, force: push.force, moment });
+                }
+            }
+            let mut held = None;
+            match self.root {
+                RootMode::Free => {}
+                RootMode::Assisted { force_n, moment_nm } => {
+                    let budget = Budget { force_n, moment_nm };
+                    let goal = controller.goal();
+                    let to = (goal.pose(row), goal.velocity(row));
+                    let now = (world.q(), world.v());
+                    let w = assist::wrench(&controller.model, &mut state, budget, now, to);
+                    world.add_wrench(&w);
+                    held = Some(w);
+                }
+                RootMode::Pinned => world.move_root(&state, controller.goal().pose(row)),
+            }
+            if let Err(error) = world.step() {
+                diverged = Some(error);
+                break;
+            }
+            state.update(&controller.model, world.q(), world.v());
+            recorder.record(&mut state, &world, &controller, row, held);
+            if fell_s.is_none() && self.root != RootMode::Pinned && recorder.fallen(row, &controller) {
+                fell_s = Some(row as f64 / rate_hz);
+            }
+            if row % 16 == 0 {
+                progress(row as f64 / rows as f64);
+            }
+        }
+        progress(1.0);
+        let mut trace = recorder.trace;
+        trace.wall_s = started.elapsed().as_secs_f64();
+        Ok(Outcome { trace, sagging: controller.sagging(), fell_s, diverged, added_damping })
+    }
+}
+
+/// Fills a trace row by row.
+struct Recorder {
+    trace: Trace,
+    feet: Vec<usize>,
+    contacts: Vec<ContactSample>,
+}
+
+impl Recorder {
+    fn new(
+        character: &Arc<Character>,
+        settings: &WorldSettings,
+        root: RootMode,
+        ground: Option<Ground>,
+    ) -> Self {
+        let trace = Trace {
+            character: character.clone(),
+            rate_hz: settings.rate_hz,
+            substeps: settings.substeps,
+            root,
+            ground_m: ground.map(|g| g.height_m),
+            gravity: settings.gravity,
+            q: Vec::new(),
+            v: Vec::new(),
+            target: Vec::new(),
+            torque: Vec::new(),
+            k_lo: Vec::new(),
+            k_hi: Vec::new(),
+            kd: Vec::new(),
+            contacts: Vec::new(),
+            root_wrench: Vec::new(),
+            com: Vec::new(),
+            momentum: Vec::new(),
+            link_com: Vec::new(),
+            energy: Vec::new(),
+            wall_s: 0.0,
+        };
+        Self { trace, feet: Vec::new(), contacts: Vec::new() }
+    }
+
+    fn record(
+        &mut self,
+        state: &mut State,
+        world: &World,
+        controller: &Controller,
+        row: usize,
+        held: Option<Wrench>,
+    ) {
+        let model = &controller.model;
+        let t = &mut self.trace;
+        let nv = model.nv();
+        if row == 0 {
+            self.feet = controller.feet().iter().map(|f| f.body).collect();
+        }
+        t.q.extend_from_slice(world.q());
+        t.v.extend_from_slice(world.v());
+        t.target.extend_from_slice(controller.goal().pose(row));
+        let at = t.torque.len();
+        for column in [&mut t.torque, &mut t.k_lo, &mut t.k_hi, &mut t.kd] {
+            column.resize(at + nv, 0.0);
+        }
+        for (i, b) in model.bodies.iter().enumerate() {
+            let drive = &controller.drives()[i];
+            let torque = drive.torque(&b.joint, world.q(), b.q_at, world.v(), b.v_at);
+            let gains = controller.set_points[i].gains(drive.stiffness, &drive.rest);
+            if drive.stiffness == 0.0 {
+                continue;
+            }
+            for k in 0..b.joint.nv().min(3) {
+                let cell = at + b.v_at + k;
+                t.torque[cell] = torque[k];
+                (t.k_lo[cell], t.k_hi[cell]) = gains[k];
+                t.kd[cell] = drive.damping;
+            }
+        }
+        let m = state.momentum(model);
+        t.com.extend_from_slice(m.com.as_slice());
+        let before = t.momentum.len();
+        t.momentum.extend_from_slice(m.linear.as_slice());
+        t.momentum.extend_from_slice(m.angular.as_slice());
+        let (kinetic, potential) = state.energy(model);
+        t.energy.extend_from_slice(&[kinetic, potential]);
+        for (link, body) in t.character.bodies.iter().enumerate() {
+            t.link_com.extend_from_slice(state.point(model, link, &body.com).as_slice());
+        }
+        self.contacts.clear();
+        if row > 0 {
+            world.contacts(row, &mut self.contacts);
+        }
+        let root = state.bodies[0].world.translation.vector;
+        let mut wrench = [0.0; 6];
+        match (t.root, held) {
+            (RootMode::Pinned, _) if row > 0 => {
+                // what the pin did is what neither gravity nor contacts explain
+                let rate = t.rate_hz;
+                let change = |k: usize| (t.momentum[before + k] - t.momentum[before - 6 + k]) * rate;
+                let mut force = Vec3::new(change(0), change(1), change(2)) - t.gravity * model.mass;
+                let mut moment = Vec3::new(change(3), change(4), change(5));
+                for c in &self.contacts {
+                    force -= c.force;
+                    moment -= (c.point - m.com).cross(&c.force);
+                }
+                moment += (m.com - root).cross(&force); // about the root's origin
+                wrench[..3].copy_from_slice(force.as_slice());
+                wrench[3..].copy_from_slice(moment.as_slice());
+            }
+            (_, Some(w)) => {
+                wrench[..3].copy_from_slice(w.force.as_slice());
+                wrench[3..].copy_from_slice(w.moment.as_slice());
+            }
+            _ => {}
+        }
+        t.root_wrench.extend_from_slice(&wrench);
+        t.contacts.append(&mut self.contacts);
+    }
+
+    /// Whether something else than a foot carries load, or the body is far lower than asked.
+    fn fallen(&self, row: usize, controller: &Controller) -> bool {
+        let model = &controller.model;
+        let t = &self.trace;
+        let other = t
+            .contacts
+            .iter()
+            .rev()
+            .take_while(|c| c.row == row)
+            .any(|c| !self.feet.contains(&model.body_of[c.link].0) && c.force.norm() > 20.0);
+        let root_goal = model.skeleton.position(controller.goal().pose(row), 0).y;
+        let root = model.skeleton.position(t.pose(row), 0).y;
+        let ground = t.ground_m.unwrap_or(0.0);
+        other || root - ground < FALLEN * (root_goal - ground)
+    }
+}

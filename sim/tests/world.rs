@@ -1,0 +1,195 @@
+//! Laws of the world: what goes in comes out, and nothing pushes from nowhere.
+
+use std::sync::Arc;
+
+use controllers::{Drive, Rest};
+use dynamics::{Body, Character, JointClass, Model, State};
+use motion::rotation::exp;
+use motion::{Joint, Link, Shape, Skeleton, Vec3};
+use nalgebra::{DMatrix, DVector, Matrix3};
+use sim::{Ground, World, WorldSettings};
+
+fn body(mass: f64, com: Vec3, shapes: Vec<Shape>) -> Body {
+    let inertia = Matrix3::from_diagonal(&Vec3::new(0.02, 0.03, 0.025)) * mass;
+    Body { mass, com, inertia, shapes }
+}
+
+fn character(links: Vec<Link>, bodies: Vec<Body>) -> Character {
+    let skeleton = Arc::new(Skeleton::new(links).unwrap());
+    Character {
+        name: "test".into(),
+        classes: vec![JointClass::Other; bodies.len()],
+        rest: skeleton.zero_pose(),
+        skeleton,
+        bodies,
+        contacts: vec![],
+    }
+    .check()
+    .unwrap()
+}
+
+/// A free root with its centre of mass off its origin, a ball, a skew hinge and a slide.
+fn tree() -> Character {
+    let mut links = vec![
+        Link::new("root", None, Vec3::zeros(), Joint::Free),
+        Link::new("ball", Some(0), Vec3::new(0.1, 0.2, 0.0), Joint::Spherical),
+        Link::new("hinge", Some(1), Vec3::new(0.0, 0.3, 0.1), Joint::Revolute(Vec3::new(0.6, 0.0, 0.8))),
+        Link::new("slide", Some(0), Vec3::new(-0.1, 0.0, 0.2), Joint::Prismatic(Vec3::new(0.0, 0.8, 0.6))),
+        Link::new("weld", Some(3), Vec3::new(0.0, 0.1, 0.0), Joint::Fixed),
+    ];
+    links[2].parent_from_zero.rotation = exp(&Vec3::new(0.3, -0.4, 0.2));
+    let bodies = vec![
+        body(3.0, Vec3::new(0.05, -0.02, 0.03), vec![]),
+        body(2.0, Vec3::new(0.0, 0.1, 0.0), vec![]),
+        body(1.0, Vec3::new(0.02, 0.1, -0.05), vec![]),
+        body(1.5, Vec3::new(0.0, 0.05, 0.0), vec![]),
+        body(0.5, Vec3::new(0.0, 0.1, 0.0), vec![]),
+    ];
+    character(links, bodies)
+}
+
+fn settings(rate_hz: f64, substeps: usize) -> WorldSettings {
+    WorldSettings { rate_hz, substeps, gravity: Vec3::new(0.0, -9.81, 0.0), ground: None, pinned: false }
+}
+
+fn start(c: &Character) -> (Vec<f64>, Vec<f64>) {
+    let mut q = c.skeleton.zero_pose();
+    let turn: Vec<f64> = (0..c.skeleton.nv()).map(|i| 0.4 * (i as f64 * 1.7).sin()).collect();
+    c.skeleton.integrate(&mut q, &turn, 1.0);
+    let v = (0..c.skeleton.nv()).map(|i| 1.5 * (i as f64 * 2.3).cos()).collect();
+    (q, v)
+}
+
+/// What is put in is read back, root offset and turned frames included.
+#[test]
+fn state_round_trips() {
+    let c = tree();
+    let (q, v) = start(&c);
+    let mut world = World::new(&c, settings(1e6, 1), &q, &v).unwrap();
+    world.step().unwrap(); // 1 µs: the state has hardly moved
+    for (a, b) in world.q().iter().zip(&q) {
+        assert!((a - b).abs() < 1e-5, "{a} {b}");
+    }
+    for (a, b) in world.v().iter().zip(&v) {
+        assert!((a - b).abs() < 1e-4, "{a} {b}");
+    }
+}
+
+/// The engine's acceleration is ours: forward dynamics by RNEA and the mass matrix, one tiny step.
+#[test]
+fn one_step_agrees_with_forward_dynamics() {
+    let c = tree();
+    let (q, v) = start(&c);
+    let dt = 1e-6;
+    let mut world = World::new(&c, settings(1.0 / dt, 1), &q, &v).unwrap();
+    world.step().unwrap();
+    let model = Model::new(&c, Vec3::new(0.0, -9.81, 0.0));
+    let mut state = State::new(&model);
+    state.update(&model, &q, &v);
+    let n = model.nv();
+    let (mut m, mut bias) = (DMatrix::zeros(n, n), vec![0.0; n]);
+    state.mass_matrix(&model, &mut m);
+    state.inverse_dynamics(&model, &v, &vec![0.0; n], &[], &mut bias);
+    let expected = -m.cholesky().unwrap().solve(&DVector::from_vec(bias));
+    for k in 0..n {
+        let engine = (world.v()[k] - v[k]) / dt;
+        // O(dt) of the engine's implicit terms: 3e-4 seen on accelerations of order 10
+        assert!((engine - expected[k]).abs() < 1e-2, "dof {k}: {engine} {}", expected[k]);
+    }
+}
+
+/// A pinned root lands on its path, and the limbs feel its acceleration: the joint accelerations are
+/// those of our forward dynamics with the root's acceleration prescribed.
+#[test]
+fn a_pinned_root_carries_its_limbs() {
+    let c = tree();
+    let (q, v) = start(&c);
+    let dt = 1e-6;
+    let mut world = World::new(&c, WorldSettings { pinned: true, ..settings(1.0 / dt, 1) }, &q, &v).unwrap();
+    let model = Model::new(&c, Vec3::new(0.0, -9.81, 0.0));
+    let mut state = State::new(&model);
+    state.update(&model, &q, &v);
+    let root_accel = [3.0, -2.0, 4.0, 5.0, -6.0, 2.0];
+    // Two steps: path velocities are means over a step, so the first difference that is an
+    // acceleration is the one between the first and the second step.
+    let (mut path_q, mut path_v) = (q.clone(), v.clone());
+    let mut before = Vec::new();
+    for _ in 0..2 {
+        for k in 0..6 {
+            path_v[k] += root_accel[k] * dt;
+        }
+        c.skeleton.integrate(&mut path_q, &path_v, dt);
+        before = world.v().to_vec();
+        world.move_root(&state, &path_q);
+        world.step().unwrap();
+        for k in 0..7 {
+            assert!((world.q()[k] - path_q[k]).abs() < 1e-12);
+        }
+    }
+    let n = model.nv();
+    let (mut m, mut bias) = (DMatrix::zeros(n, n), vec![0.0; n]);
+    state.mass_matrix(&model, &mut m);
+    let mut prescribed = vec![0.0; n];
+    prescribed[..6].copy_from_slice(&root_accel);
+    state.inverse_dynamics(&model, &v, &prescribed, &[], &mut bias);
+    let limbs = m.view((6, 6), (n - 6, n - 6)).into_owned();
+    let expected = -limbs.cholesky().unwrap().solve(&DVector::from_column_slice(&bias[6..]));
+    for k in 6..n {
+        let engine = (world.v()[k] - before[k]) / dt;
+        assert!((engine - expected[k - 6]).abs() < 2e-2, "dof {k}: {engine} {}", expected[k - 6]);
+    }
+}
+
+/// In flight without gravity, momentum drifts by the integrator's first-order error only: a quarter
+/// of the step, about a quarter of the drift.
+#[test]
+fn momentum_is_conserved_to_first_order() {
+    let c = tree();
+    let (q, v) = start(&c);
+    let drift = |rate: f64| {
+        let mut s = settings(rate, 1);
+        s.gravity = Vec3::zeros();
+        let mut world = World::new(&c, s, &q, &v).unwrap();
+        let mut state = State::new(&world.model);
+        state.update(&world.model, world.q(), world.v());
+        let before = state.momentum(&world.model);
+        for _ in 0..rate as usize {
+            world.step().unwrap();
+        }
+        state.update(&world.model, world.q(), world.v());
+        let after = state.momentum(&world.model);
+        ((after.linear - before.linear).norm(), (after.angular - before.angular).norm())
+    };
+    let (coarse, fine) = (drift(500.0), drift(2000.0));
+    eprintln!("drift {coarse:?} {fine:?}");
+    assert!(fine.0 < 0.4 * coarse.0 && fine.1 < 0.4 * coarse.1);
+}
+
+/// A box dropped on the ground comes to rest, carried by its weight.
+#[test]
+fn the_ground_carries_the_weight() {
+    let half = Vec3::new(0.1, 0.1, 0.1);
+    let shape = Shape::Box { center: Vec3::zeros(), half, rotation: motion::Quat::identity() };
+    let links = vec![
+        Link::new("box", None, Vec3::zeros(), Joint::Free),
+        Link::new("rod", Some(0), Vec3::new(0.0, 0.1, 0.0), Joint::Revolute(Vec3::x())),
+    ];
+    let c = character(
+        links,
+        vec![body(5.0, Vec3::zeros(), vec![shape]), body(1.0, Vec3::new(0.0, 0.1, 0.0), vec![])],
+    );
+    let mut s = settings(240.0, 2);
+    s.ground = Some(Ground { height_m: 0.5, friction: 0.8 });
+    let mut q = c.skeleton.zero_pose();
+    q[1] = 0.605;
+    let v = vec![0.0; c.skeleton.nv()];
+    let mut world = World::new(&c, s, &q, &v).unwrap();
+    let hold = Drive { stiffness: 50.0, damping: 1.0, rest: Rest::Scalar(0.0) };
+    for _ in 0..480 {
+        world.set_drives(&[Drive::NONE, hold]);
+        world.step().unwrap();
+    }
+    let force = world.contact_sum();
+    assert!((force.y - 6.0 * 9.81).abs() < 1e-6, "{force}"); // 1e-9 seen
+    assert!(force.x.abs() < 1e-6 && force.z.abs() < 1e-6);
+}
