@@ -1,4 +1,4 @@
-//! Scripts: motion as an animator writes it, action > cycle > pose > value [NF03 §4.1].
+//! Scripts: motion as an animator writes it, action > cycle > pose > value (NF03 §4.1).
 //!
 //! In: actions that start when they say, their cycles (with repetitions) and poses one after another,
 //! and elements inserted directly. Out: [`Tracks`], checked. A pose may set any subset of the degrees of

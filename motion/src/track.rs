@@ -1,4 +1,4 @@
-//! Transition-element tracks: the editable form of a motion [NF03 §4.1].
+//! Transition-element tracks: the editable form of a motion (NF03 §4.1).
 //!
 //! In: elements, one time-ordered track per degree of freedom, and the pose before them. Out: the pose
 //! at any time, exactly, and a sampled [`Clip`].
@@ -11,7 +11,7 @@
 //!
 //! Units: seconds, radians, metres; tension is dimensionless, 1 = relaxed and natural.
 //!
-//! [NF03] Neff, Fiume. Aesthetic edits for character animation. SCA 2003.
+//! NF03: Neff, Fiume. Aesthetic edits for character animation. SCA 2003.
 
 use std::fmt;
 use std::sync::Arc;

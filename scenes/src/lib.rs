@@ -1,7 +1,15 @@
-//! Scenes and characters as files people write.
+//! Scenes and characters as files people write, and the pipeline that renders them.
+//!
+//! ```text
+//! open ─→ Stage (kinematic preview) ─→ perform ─→ Outcome ─→ Report, files
+//! ```
 //!
 //! | module | holds |
 //! |---|---|
+//! | [`scene`] | a scene file, checked |
+//! | [`schema`] | its words |
+//! | [`stage`] | a scene or a clip, ready to be performed |
+//! | [`report`] | the numbers of a run |
 //! | [`character_file`] | characters as RON |
 //! | [`angle`] | joint values in degrees |
 //! | [`error`] | errors with file, line and column |
@@ -10,7 +18,14 @@
 pub mod angle;
 pub mod character_file;
 pub mod error;
+pub mod report;
+pub mod scene;
+pub mod schema;
 pub mod source_map;
+pub mod stage;
 
 pub use angle::Angle;
 pub use error::{SceneError, Source};
+pub use report::Report;
+pub use scene::Scene;
+pub use stage::{Stage, StageError, open};

@@ -1,0 +1,210 @@
+//! The edit log: which edit last wrote each element, and where edits conflict.
+//!
+//! Edits run in the order declared and a later one wins. The log is kept by [`Edit::apply`], which
+//! compares the tracks before and after, so no edit can forget to report and an edit that changes
+//! nothing writes nothing. Two edits that wrote the same field of the same element conflict in the sense
+//! that their order matters; the log lists it, it is no error.
+//!
+//! [`Edit::apply`]: crate::Edit::apply
+
+use std::collections::BTreeMap;
+use std::fmt;
+
+use motion::{Element, Label, Skeleton, Tracks};
+
+/// A field of an element.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub enum Field {
+    /// The element itself: made by the edit.
+    Created,
+    /// Start time.
+    Start,
+    /// Duration.
+    Duration,
+    /// Hold.
+    Hold,
+    /// End value.
+    End,
+    /// Transition curve.
+    Curve,
+    /// Tension.
+    Tension,
+}
+
+impl fmt::Display for Field {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::Created => "created",
+            Self::Start => "start",
+            Self::Duration => "duration",
+            Self::Hold => "hold",
+            Self::End => "end",
+            Self::Curve => "curve",
+            Self::Tension => "tension",
+        })
+    }
+}
+
+/// One field that several edits wrote; the last one holds.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Conflict {
+    /// The element.
+    pub label: Label,
+    /// The field.
+    pub field: Field,
+    /// Indices of the edits, in order.
+    pub edits: Vec<usize>,
+}
+
+/// What the edits did. See the module header.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct EditLog {
+    edits: Vec<&'static str>,
+    writes: BTreeMap<Label, BTreeMap<Field, Vec<usize>>>,
+    names: BTreeMap<Label, String>,
+    base_tension: BTreeMap<String, Vec<usize>>,
+    clamped: Vec<(usize, Label)>,
+    notes: Vec<(usize, String)>,
+}
+
+impl EditLog {
+    /// Names of the edits applied so far, in order; other answers give indices into it.
+    pub fn edits(&self) -> &[&'static str] {
+        &self.edits
+    }
+
+    /// The edit that last wrote any field of an element: its index and name.
+    pub fn last_writer(&self, label: &Label) -> Option<(usize, &'static str)> {
+        let last = self.writes.get(label)?.values().filter_map(|w| w.last().copied()).max()?;
+        Some((last, self.edits[last]))
+    }
+
+    /// The fields of an element that were written, each with the edit that last did.
+    pub fn fields(&self, label: &Label) -> impl Iterator<Item = (Field, usize)> {
+        let fields = self.writes.get(label).into_iter().flatten();
+        fields.filter_map(|(field, edits)| Some((*field, *edits.last()?)))
+    }
+
+    /// All elements written by the edit of this index, in order.
+    pub fn written_by(&self, edit: usize) -> Vec<&Label> {
+        let wrote = |fields: &BTreeMap<Field, Vec<usize>>| fields.values().any(|w| w.contains(&edit));
+        self.writes.iter().filter(|(_, fields)| wrote(fields)).map(|(label, _)| label).collect()
+    }
+
+    /// Fields that more than one edit wrote.
+    pub fn conflicts(&self) -> Vec<Conflict> {
+        let mut found = Vec::new();
+        for (label, fields) in &self.writes {
+            for (field, edits) in fields {
+                if edits.len() > 1 {
+                    found.push(Conflict { label: label.clone(), field: *field, edits: edits.clone() });
+                }
+            }
+        }
+        found
+    }
+
+    /// Elements whose new value was cut by a joint limit or by reach, each with the edit.
+    pub fn clamped(&self) -> &[(usize, Label)] {
+        &self.clamped
+    }
+
+    /// Remarks of the edits, each with the edit.
+    pub fn notes(&self) -> &[(usize, String)] {
+        &self.notes
+    }
+
+    /// For edits: reports that the new value of an element was cut by a limit.
+    pub fn clamp(&mut self, label: &Label) {
+        self.clamped.push((self.current(), label.clone()));
+    }
+
+    /// For edits: a remark for the reader.
+    pub fn note(&mut self, text: impl Into<String>) {
+        self.notes.push((self.current(), text.into()));
+    }
+
+    fn current(&self) -> usize {
+        self.edits.len().saturating_sub(1)
+    }
+
+    pub(crate) fn begin(&mut self, name: &'static str) {
+        self.edits.push(name);
+    }
+
+    /// Forgets the edit begun last, because it failed.
+    pub(crate) fn abandon(&mut self) {
+        let edit = self.current();
+        self.clamped.retain(|(e, _)| *e != edit);
+        self.notes.retain(|(e, _)| *e != edit);
+        self.edits.pop();
+    }
+
+    /// Records every difference between the tracks before and after the edit begun last.
+    pub(crate) fn record(&mut self, before: &Tracks, after: &Tracks) {
+        let edit = self.current();
+        let old: BTreeMap<&Label, &Element> = before.elements().map(|(_, e)| (&e.label, e)).collect();
+        for (_, e) in after.elements() {
+            for field in old.get(&e.label).map_or_else(|| vec![Field::Created], |o| differing(o, e)) {
+                self.writes.entry(e.label.clone()).or_default().entry(field).or_default().push(edit);
+                self.names.entry(e.label.clone()).or_insert_with(|| e.label.named(&after.skeleton));
+            }
+        }
+        let links = after.skeleton.links().iter();
+        for (link, (a, b)) in links.zip(before.base_tension.iter().zip(&after.base_tension)) {
+            if a.to_bits() != b.to_bits() {
+                self.base_tension.entry(link.name.clone()).or_default().push(edit);
+            }
+        }
+    }
+
+    /// The label of an element as text with the DOF's name.
+    pub fn name(&self, label: &Label, skeleton: &Skeleton) -> String {
+        self.names.get(label).cloned().unwrap_or_else(|| label.named(skeleton))
+    }
+}
+
+fn differing(a: &Element, b: &Element) -> Vec<Field> {
+    [
+        (Field::Start, a.start_s != b.start_s),
+        (Field::Duration, a.duration_s != b.duration_s),
+        (Field::Hold, a.hold_s != b.hold_s),
+        (Field::End, a.end != b.end),
+        (Field::Curve, a.curve != b.curve),
+        (Field::Tension, a.tension != b.tension),
+    ]
+    .into_iter()
+    .filter_map(|(field, changed)| changed.then_some(field))
+    .collect()
+}
+
+/// One line per element written, then base tensions, clamped elements, conflicts and remarks.
+impl fmt::Display for EditLog {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let edit = |i: usize| format!("{} (edit {i})", self.edits[i]);
+        let text = |label: &Label| self.names.get(label).cloned().unwrap_or_else(|| label.to_string());
+        for (label, fields) in &self.writes {
+            let fields: Vec<String> = fields
+                .iter()
+                .filter_map(|(field, w)| Some(format!("{field} by {}", edit(*w.last()?))))
+                .collect();
+            writeln!(f, "{}: {}", text(label), fields.join(", "))?;
+        }
+        for (link, w) in &self.base_tension {
+            if let Some(&last) = w.last() {
+                writeln!(f, "{link}: base tension by {}", edit(last))?;
+            }
+        }
+        for (i, label) in &self.clamped {
+            writeln!(f, "{}: cut by a limit in {}", text(label), edit(*i))?;
+        }
+        for c in self.conflicts() {
+            let edits: Vec<String> = c.edits.iter().map(|&i| edit(i)).collect();
+            writeln!(f, "{}: {} written by {}; the last holds", text(&c.label), c.field, edits.join(", "))?;
+        }
+        for (i, note) in &self.notes {
+            writeln!(f, "{}: {note}", edit(*i))?;
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,179 @@
+//! Succession: movement that runs through the body joint by joint (NF03 §4.3.1).
+//!
+//! In: selected poses, a direction and an offset `t` (s). Out: start times, and holds that had to shrink.
+//! Within each pose the start of an element shifts by `t × depth` of its joint (forward, from the hip out),
+//! or by `t × height` above the furthest tip of its branch (reverse, from the extremities in).
+//!
+//! Depth counts joints from the root along all branches in parallel: the first joint of each branch and the
+//! root itself are 0, the next moved joint is 1. Only joints count that the pose moves: with a selected
+//! element whose end differs from where the DOF was (a joint that only holds its place is shifted with
+//! its neighbours but does not count). Welded links never count, and joints at one place
+//! (a link without length between them, as three hinges that make a hip) count once. Reverse mirrors this: the
+//! furthest selected tip of each branch is 0, the root starts with its last branch. The least shift of a pose
+//! is 0.
+//!
+//! Elements of one DOF stay serial: where the next would start too early, the hold before it shrinks;
+//! if that is not enough the earlier transition is superseded. An element never starts after its
+//! successor: a shift that would do that ends at the successor's start.
+//!
+//! Offsets may be a list over the poses (0.2 s, then 0.3 s) or a curve. Negative offsets are refused: that is
+//! what the direction is for.
+
+use std::collections::{BTreeMap, BTreeSet};
+
+use motion::{Joint, Label, Skeleton, Tracks};
+
+use crate::param::PoseOrder;
+use crate::poses::{PoseGroup, groups, selected};
+use crate::{Edit, EditError, EditLog, Parameter, Selection};
+
+/// Which way a succession runs.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Direction {
+    /// From the hip to the extremities: flowing, natural.
+    #[default]
+    Forward,
+    /// From the extremities to the hip: false, sinister.
+    Reverse,
+}
+
+/// The succession edit. See the module header.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Succession {
+    /// `t`, s, 0 or more.
+    pub offset_s: Parameter,
+    /// Which way.
+    pub direction: Direction,
+}
+
+impl Succession {
+    /// From the hip out.
+    pub fn forward(offset_s: impl Into<Parameter>) -> Self {
+        Self { offset_s: offset_s.into(), direction: Direction::Forward }
+    }
+
+    /// From the extremities in.
+    pub fn reverse(offset_s: impl Into<Parameter>) -> Self {
+        Self { offset_s: offset_s.into(), direction: Direction::Reverse }
+    }
+}
+
+/// Links at one place count as one joint.
+const ZERO_LENGTH_M: f64 = 1e-9;
+
+/// Depth (forward) or height (reverse) of every link, counting the joints in `moved` (one flag per link).
+///
+/// See the module header; the root and links that no moved joint precedes are 0.
+pub fn ranks(skeleton: &Skeleton, moved: &[bool], direction: Direction) -> Vec<usize> {
+    let links = skeleton.links();
+    // the first of the links at one place stands for all; never the root, which does not count
+    let mut place = vec![0; links.len()];
+    for (i, link) in links.iter().enumerate().skip(1) {
+        let p = link.parent.unwrap_or(0);
+        let apart = link.parent_from_zero.translation.vector.norm() > ZERO_LENGTH_M;
+        place[i] = if apart || p == 0 { i } else { place[p] };
+    }
+    let mut counts = vec![false; links.len()];
+    for i in 1..links.len() {
+        counts[place[i]] |= moved[i] && links[i].joint != Joint::Fixed;
+    }
+    let above = |i: usize| links[place[i]].parent.map_or(0, |p| place[p]);
+    let mut rank = vec![0_usize; links.len()];
+    match direction {
+        Direction::Forward => {
+            for i in (1..links.len()).filter(|&i| place[i] == i) {
+                let p = above(i);
+                rank[i] = rank[p] + usize::from(counts[p]);
+            }
+        }
+        Direction::Reverse => {
+            // children come after their parents
+            for i in (1..links.len()).rev().filter(|&i| place[i] == i) {
+                let p = above(i);
+                // the root moves with the first joint of its longest branch
+                let step = usize::from(counts[i] && p != 0);
+                rank[p] = rank[p].max(rank[i] + step);
+            }
+        }
+    }
+    (0..links.len()).map(|i| rank[place[i]]).collect()
+}
+
+/// The elements that end elsewhere than the DOF was before.
+fn moving(tracks: &Tracks) -> BTreeSet<Label> {
+    let mut moves = BTreeSet::new();
+    for track in &tracks.tracks {
+        let mut before = track.dof.read(&tracks.skeleton, &tracks.base);
+        for e in &track.elements {
+            if before.distance(&e.end) > 1e-9 {
+                moves.insert(e.label.clone());
+            }
+            before = e.end;
+        }
+    }
+    moves
+}
+
+/// Shift of every selected element of a pose, s.
+fn shifts(
+    skeleton: &Skeleton,
+    group: &PoseGroup,
+    moves: &BTreeSet<Label>,
+    offset_s: f64,
+    direction: Direction,
+) -> Vec<(Label, f64)> {
+    let mut moved = vec![false; skeleton.links().len()];
+    for (dof, e) in &group.elements {
+        moved[dof.link()] |= moves.contains(&e.label);
+    }
+    let rank = ranks(skeleton, &moved, direction);
+    let least = group.elements.iter().map(|(d, _)| rank[d.link()]).min().unwrap_or(0);
+    let shift = |link: usize| offset_s * (rank[link] - least) as f64;
+    group.elements.iter().map(|(d, e)| (e.label.clone(), shift(d.link()))).collect()
+}
+
+impl Edit for Succession {
+    fn name(&self) -> &'static str {
+        "succession"
+    }
+
+    fn change(&self, tracks: &mut Tracks, selection: &Selection, log: &mut EditLog) -> Result<(), EditError> {
+        let order = PoseOrder::new(selected(tracks, selection));
+        self.offset_s.check(self.name(), "offset_s", order.len(), "0 s or more", |x| x >= 0.0)?;
+        let mut shift: BTreeMap<Label, f64> = BTreeMap::new();
+        let moves = moving(tracks);
+        for group in groups(tracks, selection) {
+            let t = self.offset_s.at(&order.instant(group.label(), group.start_s()));
+            let of_pose = shifts(&tracks.skeleton, &group, &moves, t, self.direction);
+            shift.extend(of_pose.into_iter().filter(|(_, s)| *s > 0.0));
+        }
+        for track in &mut tracks.tracks {
+            let elements = &mut track.elements;
+            let mut capped = Vec::new();
+            // from the last back: the successor's new start is known
+            for i in (0..elements.len()).rev() {
+                let by = shift.get(&elements[i].label).copied().unwrap_or(0.0);
+                let next = elements.get(i + 1).map(|n| n.start_s);
+                let e = &mut elements[i];
+                let was = e.start_s;
+                e.start_s += by;
+                let Some(next) = next else { continue };
+                if by > 0.0 && e.start_s > next {
+                    e.start_s = next.max(was);
+                    capped.push(e.label.clone());
+                }
+                let moved = by > 0.0 || elements.get(i + 1).is_some_and(|n| shift.contains_key(&n.label));
+                let room = (next - elements[i].arrives_s()).max(0.0);
+                // less than a nanosecond is rounding of serial times
+                if moved && room + 1e-9 < elements[i].hold_s {
+                    elements[i].hold_s = room;
+                }
+            }
+            for label in capped {
+                let name = label.named(&tracks.skeleton);
+                log.note(format!("{name} would start after its successor and is superseded at once"));
+            }
+        }
+        Ok(())
+    }
+}

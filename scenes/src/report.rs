@@ -1,0 +1,365 @@
+//! The numbers of a run, as `report.json` gives them.
+//!
+//! In: a [`Stage`] and, unless only previewed, its [`Outcome`](sim::Outcome). Out: a [`Report`] that
+//! serialises to JSON. Every unit is in its field's name. The schema is documented in `docs/REPORT.md`:
+//! fields are only ever added.
+
+use dynamics::{JointClass, RootMode, Trace};
+use motion::metrics::{self, FeetMetrics, JointError};
+use motion::{Clip, Vec3};
+use serde::Serialize;
+use sim::Outcome;
+
+use crate::Stage;
+
+/// All numbers of a run.
+#[derive(Clone, Debug, Serialize)]
+pub struct Report {
+    /// Name of the scene or clip.
+    pub scene: String,
+    /// Frames of the clips written.
+    pub frames: usize,
+    /// Frames per second of the clips written.
+    pub rate_hz: f64,
+    /// Length, s.
+    pub duration_s: f64,
+    /// The body.
+    pub character: CharacterReport,
+    /// The motion asked for.
+    pub kinematic: KinematicReport,
+    /// The motion performed; absent after `--kinematic`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub dynamic: Option<DynamicReport>,
+    /// Feet of the motion performed, or of the motion asked for after `--kinematic`.
+    pub feet: FeetReport,
+    /// Contact forces.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub contact: Option<ContactReport>,
+    /// Joints too slack for what they had to hold.
+    pub sagging: Vec<SaggingReport>,
+    /// Edits that wrote the same field of the same element.
+    pub edit_conflicts: usize,
+    /// Files written, by what they hold; paths relative to the report.
+    pub files: std::collections::BTreeMap<String, String>,
+}
+
+/// The body.
+#[derive(Clone, Debug, Serialize)]
+pub struct CharacterReport {
+    /// Its name.
+    pub name: String,
+    /// Links.
+    pub links: usize,
+    /// Degrees of freedom, root included.
+    pub dof: usize,
+    /// Mass, kg.
+    pub mass_kg: f64,
+}
+
+/// The motion asked for.
+#[derive(Clone, Debug, Serialize)]
+pub struct KinematicReport {
+    /// Foot numbers.
+    pub feet: FeetReport,
+    /// RMS jerk of the links' origins, m/s³.
+    pub jerk_rms_m_s3: f64,
+    /// Jerk relative to the unedited motion.
+    pub jerk_ratio: f64,
+    /// Share of frames that joint limits changed.
+    pub clamped_frames: f64,
+}
+
+/// Foot numbers, see [`metrics::FeetMetrics`].
+#[derive(Clone, Copy, Debug, Serialize)]
+#[expect(missing_docs, reason = "documented at FeetMetrics")]
+pub struct FeetReport {
+    pub slip_mm_max: f64,
+    pub skate_mm_s: f64,
+    pub penetration_mm_max: f64,
+    pub float_mm_max: f64,
+}
+
+impl From<FeetMetrics> for FeetReport {
+    fn from(m: FeetMetrics) -> Self {
+        Self {
+            slip_mm_max: m.slip_mm_max,
+            skate_mm_s: m.skate_mm_s,
+            penetration_mm_max: m.penetration_mm_max,
+            float_mm_max: m.float_mm_max,
+        }
+    }
+}
+
+/// The motion performed.
+#[derive(Clone, Debug, Serialize)]
+pub struct DynamicReport {
+    /// Control steps per second, Hz.
+    pub rate_hz: f64,
+    /// Engine substeps per control step.
+    pub substeps: usize,
+    /// Factor on every tension.
+    pub tension: f64,
+    /// Simulated time over wall time.
+    pub realtime_factor: f64,
+    /// Whether the body fell.
+    pub fell: bool,
+    /// When, s.
+    pub fell_at_s: Option<f64>,
+    /// Why the run stopped early, if it did.
+    pub diverged: Option<String>,
+    /// RMS angle to the motion asked for, over all joints but wrists, degrees.
+    pub joint_rms_deg: f64,
+    /// The joints furthest from what was asked, worst first.
+    pub worst_joints: Vec<JointReport>,
+    /// RMS distance of the links' origins to the motion asked for, mm.
+    pub position_rms_mm: f64,
+    /// Largest ω₀ dt/2 that implicit integration adds to a damping ratio of 0.5.
+    pub added_damping_ratio: f64,
+    /// Least distance of the centre of mass inside the support, mm (negative outside); absent when
+    /// nothing stands.
+    pub support_margin_mm_min: Option<f64>,
+    /// What held the root.
+    pub root: RootReport,
+}
+
+/// One joint.
+#[derive(Clone, Debug, Serialize)]
+pub struct JointReport {
+    /// Its name.
+    pub joint: String,
+    /// RMS angle, degrees.
+    pub rms_deg: f64,
+    /// Largest angle, degrees.
+    pub peak_deg: f64,
+}
+
+/// What held the root.
+#[derive(Clone, Debug, Serialize)]
+pub struct RootReport {
+    /// `free`, `assisted` or `pinned`.
+    pub mode: String,
+    /// Largest force that neither gravity nor contacts explain, N: assist, pin, or when free the error of the
+    /// integrator.
+    pub residual_force_peak_n: f64,
+    /// RMS of that force, N.
+    pub residual_force_rms_n: f64,
+    /// Largest moment of that kind about the root's origin, N·m.
+    pub residual_moment_peak_nm: f64,
+    /// Integral of that force's magnitude, N·s.
+    pub impulse_ns: f64,
+    /// RMS force over body weight, %.
+    pub residual_force_rms_percent_bw: f64,
+}
+
+/// Contact forces.
+#[derive(Clone, Debug, Serialize)]
+pub struct ContactReport {
+    /// Mean vertical force, N.
+    pub vertical_mean_n: f64,
+    /// Mean vertical force over the last half second, % of body weight.
+    pub vertical_end_percent_bw: f64,
+    /// Largest vertical force, N.
+    pub vertical_peak_n: f64,
+    /// Largest ratio of friction to normal force at a foot carrying more than 5 % of body weight.
+    pub friction_used_max: f64,
+}
+
+/// A joint too slack for what it had to hold.
+#[derive(Clone, Debug, Serialize)]
+pub struct SaggingReport {
+    /// The joint.
+    pub joint: String,
+    /// When it begins, s.
+    pub time_s: f64,
+    /// How long it lasts, s; 0 for an end pose.
+    pub lasts_s: f64,
+    /// Stiffness given, N·m/rad.
+    pub tension_nm_rad: f64,
+    /// Stiffness needed, N·m/rad.
+    pub least_nm_rad: f64,
+}
+
+/// Joints listed as worst.
+const WORST: usize = 5;
+/// Slack shorter than this in a clip is not worth a line, s.
+const BRIEF: f64 = 0.1;
+
+impl Report {
+    /// Numbers of a stage and its outcome.
+    pub fn new(stage: &Stage, outcome: Option<&Outcome>) -> Self {
+        let c = &stage.character;
+        let asked = feet(stage, &stage.kinematic);
+        let plain_jerk = metrics::jerk_rms(&stage.unedited);
+        let jerk = metrics::jerk_rms(&stage.kinematic);
+        let performed = outcome.map(|o| o.trace.clip());
+        Self {
+            scene: stage.name.clone(),
+            frames: stage.kinematic.frames(),
+            rate_hz: stage.kinematic.rate_hz,
+            duration_s: stage.kinematic.duration_s(),
+            character: CharacterReport {
+                name: c.name.clone(),
+                links: c.skeleton.links().len(),
+                dof: c.skeleton.nv(),
+                mass_kg: c.mass(),
+            },
+            kinematic: KinematicReport {
+                feet: asked.into(),
+                jerk_rms_m_s3: jerk,
+                jerk_ratio: if plain_jerk > 0.0 { jerk / plain_jerk } else { 1.0 },
+                clamped_frames: stage.clamped,
+            },
+            dynamic: outcome.zip(performed.as_ref()).map(|(o, clip)| dynamic(stage, o, clip)),
+            feet: performed.as_ref().map_or(asked, |clip| feet(stage, clip)).into(),
+            contact: outcome.filter(|o| o.trace.ground_m.is_some()).map(|o| contact(&o.trace)),
+            sagging: outcome.map_or_else(Vec::new, |o| {
+                o.sagging
+                    .iter()
+                    .filter(|s| stage.tracks.is_some() || s.lasts_s >= BRIEF)
+                    .map(|s| SaggingReport {
+                        joint: c.skeleton.links()[s.link].name.clone(),
+                        time_s: s.time_s,
+                        lasts_s: s.lasts_s,
+                        tension_nm_rad: s.tension,
+                        least_nm_rad: s.least,
+                    })
+                    .collect()
+            }),
+            edit_conflicts: stage.log.conflicts().len(),
+            files: std::collections::BTreeMap::new(),
+        }
+    }
+
+    /// The report as indented JSON with a final newline.
+    pub fn to_json(&self) -> String {
+        let mut text = serde_json::to_string_pretty(self).expect("a report has no maps with odd keys");
+        text.push('\n');
+        text
+    }
+}
+
+fn feet(stage: &Stage, clip: &Clip) -> FeetMetrics {
+    let c = &stage.character;
+    let sites: Vec<_> = c.contacts.iter().map(|&i| &c.skeleton.sites()[i]).collect();
+    metrics::feet(clip, &sites, stage.physics.ground.map_or(0.0, |g| g.height_m))
+}
+
+fn dynamic(stage: &Stage, o: &Outcome, clip: &Clip) -> DynamicReport {
+    let t = &o.trace;
+    let c = &stage.character;
+    let target = t.target_clip();
+    let errors = metrics::joint_errors(clip, &target);
+    let counted: Vec<&JointError> =
+        errors.iter().filter(|e| c.classes[e.link] != JointClass::Wrist).collect();
+    let mut worst = counted.clone();
+    worst.sort_by(|a, b| b.rms_deg.total_cmp(&a.rms_deg));
+    let simulated = t.rows().saturating_sub(1) as f64 / t.rate_hz;
+    DynamicReport {
+        rate_hz: t.rate_hz,
+        substeps: t.substeps,
+        tension: stage.physics.tension,
+        realtime_factor: simulated / t.wall_s.max(1e-9),
+        fell: o.fell_s.is_some(),
+        fell_at_s: o.fell_s,
+        diverged: o.diverged.as_ref().map(ToString::to_string),
+        joint_rms_deg: metrics::joint_rms_deg(counted.iter().copied()),
+        worst_joints: worst
+            .iter()
+            .take(WORST)
+            .map(|e| JointReport {
+                joint: c.skeleton.links()[e.link].name.clone(),
+                rms_deg: e.rms_deg,
+                peak_deg: e.peak_deg,
+            })
+            .collect(),
+        position_rms_mm: metrics::position_rms_mm(clip, &target),
+        added_damping_ratio: o.added_damping.0,
+        support_margin_mm_min: support_margin(t),
+        root: root(t, c.mass()),
+    }
+}
+
+/// Least margin of the centre of mass in the hull of the loaded contact points, mm.
+fn support_margin(t: &Trace) -> Option<f64> {
+    let mut least: Option<f64> = None;
+    let mut i = 0;
+    while i < t.contacts.len() {
+        let row = t.contacts[i].row;
+        let end = i + t.contacts[i..].iter().take_while(|c| c.row == row).count();
+        let points: Vec<Vec3> = t.contacts[i..end].iter().map(|c| c.point).collect();
+        i = end;
+        let support = motion::Support::of(points.iter());
+        let margin = 1e3 * support.margin(&motion::support::ground(&t.com_at(row)));
+        least = Some(least.map_or(margin, |m| m.min(margin)));
+    }
+    least.filter(|m| m.is_finite())
+}
+
+/// What neither gravity nor contacts explain: force and moment about the root's origin per row, from
+/// differences of the recorded momentum. For a free root it is the rounding of the integrator.
+fn residual(t: &Trace, mass: f64) -> Vec<(Vec3, Vec3)> {
+    let momentum = |row: usize, at: usize| motion::skeleton::vec_at(&t.momentum, 6 * row + at);
+    let mut out = vec![(Vec3::zeros(), Vec3::zeros()); t.rows()];
+    for row in 1..t.rows() {
+        let change = |at: usize| (momentum(row, at) - momentum(row - 1, at)) * t.rate_hz;
+        out[row] = (change(0) - t.gravity * mass, change(3));
+    }
+    for c in t.contacts.iter().filter(|c| c.row > 0) {
+        let (force, moment) = &mut out[c.row];
+        *force -= c.force;
+        *moment -= (c.point - t.com_at(c.row)).cross(&c.force);
+    }
+    for (row, (force, moment)) in out.iter_mut().enumerate().skip(1) {
+        // from the centre of mass to the root's origin
+        let root = t.character.skeleton.position(t.pose(row), 0);
+        *moment += (t.com_at(row) - root).cross(force);
+    }
+    out
+}
+
+fn root(t: &Trace, mass: f64) -> RootReport {
+    let residual = residual(t, mass);
+    let n = residual.len().saturating_sub(1).max(1) as f64;
+    let rms = (residual.iter().map(|(f, _)| f.norm_squared()).sum::<f64>() / n).sqrt();
+    let mode = match t.root {
+        RootMode::Free => "free",
+        RootMode::Assisted { .. } => "assisted",
+        RootMode::Pinned => "pinned",
+    };
+    RootReport {
+        mode: mode.into(),
+        residual_force_peak_n: residual.iter().map(|(f, _)| f.norm()).fold(0.0, f64::max),
+        residual_force_rms_n: rms,
+        residual_moment_peak_nm: residual.iter().map(|(_, m)| m.norm()).fold(0.0, f64::max),
+        impulse_ns: residual.iter().map(|(f, _)| f.norm()).sum::<f64>() / t.rate_hz,
+        residual_force_rms_percent_bw: 100.0 * rms / (mass * t.gravity.norm()).max(1e-12),
+    }
+}
+
+fn contact(t: &Trace) -> ContactReport {
+    let sums = t.contact_sums();
+    let weight = t.character.mass() * t.gravity.norm();
+    let rows = sums.len();
+    let mean = |s: &[Vec3]| s.iter().map(|f| f.y).sum::<f64>() / s.len().max(1) as f64;
+    let last = ((0.5 * t.rate_hz) as usize).clamp(1, rows.max(1));
+    let mut used: f64 = 0.0;
+    let mut i = 0;
+    while i < t.contacts.len() {
+        let (row, link) = (t.contacts[i].row, t.contacts[i].link);
+        let mut sum = Vec3::zeros();
+        while i < t.contacts.len() && t.contacts[i].row == row && t.contacts[i].link == link {
+            sum += t.contacts[i].force;
+            i += 1;
+        }
+        if sum.y > 0.05 * weight {
+            used = used.max(sum.x.hypot(sum.z) / sum.y);
+        }
+    }
+    ContactReport {
+        // row 0 has no forces yet
+        vertical_mean_n: mean(&sums[1.min(rows)..]),
+        vertical_end_percent_bw: 100.0 * mean(&sums[rows - last..]) / weight.max(1e-12),
+        vertical_peak_n: sums.iter().map(|f| f.y).fold(0.0, f64::max),
+        friction_used_max: used,
+    }
+}

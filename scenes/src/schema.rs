@@ -1,0 +1,436 @@
+//! The words of a scene file, as serde reads them; see `docs/SCENES.md` for the user's guide.
+//!
+//! In: RON. Out: plain structs with numbers as written (degrees, metres, seconds); [`crate::scene`] turns
+//! them into a checked scene. Unknown fields are errors everywhere.
+
+use std::collections::BTreeMap;
+use std::fmt;
+
+use serde::Deserialize;
+use serde::de::{self, Deserializer, MapAccess, SeqAccess, Visitor};
+
+use crate::Angle;
+
+/// A whole scene file.
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields, rename = "Scene")]
+pub struct SceneRon {
+    /// Character file, relative to the scene file.
+    pub character: String,
+    /// Frames per second of the clips written.
+    #[serde(default = "default_rate")]
+    pub rate_hz: f64,
+    /// Properties every action inherits.
+    #[serde(default)]
+    pub properties: PropertiesRon,
+    /// Actions.
+    #[serde(default)]
+    pub script: Vec<ActionRon>,
+    /// Single elements beside the actions.
+    #[serde(default)]
+    pub inserts: Vec<InsertRon>,
+    /// Edits, in the order they are applied.
+    #[serde(default)]
+    pub edits: Vec<EditRon>,
+    /// Still time after the last element, s.
+    #[serde(default = "default_settle")]
+    pub settle_s: f64,
+    /// Limbs whose ends stay where they are at rest; by default every leg.
+    pub planted: Option<Vec<String>>,
+    /// Gravity and ground.
+    #[serde(default)]
+    pub world: WorldRon,
+    /// What holds the root in the dynamic pass.
+    #[serde(default)]
+    pub root: RootRon,
+    /// Numbers of the dynamic pass.
+    #[serde(default)]
+    pub physics: PhysicsRon,
+    /// Pushes from outside.
+    #[serde(default)]
+    pub pushes: Vec<PushRon>,
+    /// Points of view and captions for the film strips.
+    #[serde(default)]
+    pub strip: StripRon,
+}
+
+fn default_rate() -> f64 {
+    120.0
+}
+fn default_settle() -> f64 {
+    1.5
+}
+fn one() -> usize {
+    1
+}
+
+/// Properties that flow down the hierarchy.
+#[derive(Clone, Copy, Debug, Default, Deserialize)]
+#[serde(deny_unknown_fields, rename = "properties")]
+pub struct PropertiesRon {
+    /// Transition curve.
+    pub curve: Option<CurveRon>,
+    /// Tension, 1 = relaxed and natural.
+    pub tension: Option<f64>,
+    /// Transition time, s.
+    pub duration_s: Option<f64>,
+    /// Hold time, s.
+    pub hold_s: Option<f64>,
+}
+
+/// A named transition curve.
+#[derive(Clone, Copy, Debug, Deserialize)]
+#[serde(rename = "curve")]
+#[expect(missing_docs, reason = "documented in motion::curve")]
+pub enum CurveRon {
+    Linear,
+    EaseIn,
+    EaseOut,
+    EaseInOut,
+    Overshoot,
+    Anticipate,
+    Bezier(f64, f64, f64, f64),
+}
+
+/// An action.
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields, rename = "Action")]
+pub struct ActionRon {
+    /// Unique name.
+    pub name: String,
+    /// When it starts, s.
+    #[serde(default)]
+    pub start_s: f64,
+    /// Inherited by its cycles.
+    pub curve: Option<CurveRon>,
+    /// Inherited by its cycles.
+    pub tension: Option<f64>,
+    /// Inherited by its cycles, s.
+    pub duration_s: Option<f64>,
+    /// Inherited by its cycles, s.
+    pub hold_s: Option<f64>,
+    /// Cycles, one after another.
+    pub cycles: Vec<CycleRon>,
+}
+
+/// A cycle of poses.
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields, rename = "Cycle")]
+pub struct CycleRon {
+    /// How often it runs.
+    #[serde(default = "one")]
+    pub repetitions: usize,
+    /// Inherited by its poses.
+    pub curve: Option<CurveRon>,
+    /// Inherited by its poses.
+    pub tension: Option<f64>,
+    /// Inherited by its poses, s.
+    pub duration_s: Option<f64>,
+    /// Inherited by its poses, s.
+    pub hold_s: Option<f64>,
+    /// Poses, one after another.
+    pub poses: Vec<PoseRon>,
+}
+
+/// A pose: transitions that run side by side.
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields, rename = "Pose")]
+pub struct PoseRon {
+    /// Inherited by its elements.
+    pub curve: Option<CurveRon>,
+    /// Inherited by its elements.
+    pub tension: Option<f64>,
+    /// Inherited by its elements, s.
+    pub duration_s: Option<f64>,
+    /// Inherited by its elements, s.
+    pub hold_s: Option<f64>,
+    /// End values of joints: degrees for hinges, `(x, y, z)` degrees for balls.
+    #[serde(default)]
+    pub set_deg: BTreeMap<String, Angle>,
+    /// End values of slides and of the root's position *relative to rest*, m: `pelvis_x`.
+    #[serde(default)]
+    pub set_m: BTreeMap<String, f64>,
+    /// Joints that go back to the rest pose.
+    #[serde(default)]
+    pub rest: Vec<String>,
+    /// Properties of single elements of this pose, by joint.
+    #[serde(default)]
+    pub elements: BTreeMap<String, PropertiesRon>,
+}
+
+/// Elements inserted directly, not through an action.
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields, rename = "Insert")]
+pub struct InsertRon {
+    /// Unique name, as an action's.
+    pub name: String,
+    /// When they start, s.
+    pub start_s: f64,
+    /// Transition curve.
+    pub curve: Option<CurveRon>,
+    /// Tension.
+    pub tension: Option<f64>,
+    /// Transition time, s.
+    pub duration_s: Option<f64>,
+    /// Hold time, s.
+    pub hold_s: Option<f64>,
+    /// As in a pose.
+    #[serde(default)]
+    pub set_deg: BTreeMap<String, Angle>,
+    /// As in a pose.
+    #[serde(default)]
+    pub set_m: BTreeMap<String, f64>,
+}
+
+/// A parameter of an edit: a number, `[one, for, each, pose]`, `(over_time_s: [(t, x), …])` or
+/// `(over_repetition: [(n, x), …])`.
+#[derive(Clone, Debug, PartialEq)]
+pub enum ParameterRon {
+    /// One value.
+    Constant(f64),
+    /// One value for each pose selected.
+    PerPose(Vec<f64>),
+    /// Knots over time, s.
+    OverTime(Vec<(f64, f64)>),
+    /// Knots over repetitions, counted from 0.
+    OverRepetition(Vec<(f64, f64)>),
+}
+
+impl<'de> Deserialize<'de> for ParameterRon {
+    fn deserialize<D: Deserializer<'de>>(d: D) -> Result<Self, D::Error> {
+        struct Read;
+        impl<'de> Visitor<'de> for Read {
+            type Value = ParameterRon;
+            fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+                f.write_str("a number, [a, list, over, poses], (over_time_s: [(t, x), …]) or (over_repetition: [(n, x), …])")
+            }
+            fn visit_f64<E: de::Error>(self, x: f64) -> Result<Self::Value, E> {
+                Ok(ParameterRon::Constant(x))
+            }
+            fn visit_i64<E: de::Error>(self, x: i64) -> Result<Self::Value, E> {
+                Ok(ParameterRon::Constant(x as f64))
+            }
+            fn visit_u64<E: de::Error>(self, x: u64) -> Result<Self::Value, E> {
+                Ok(ParameterRon::Constant(x as f64))
+            }
+            fn visit_seq<A: SeqAccess<'de>>(self, mut seq: A) -> Result<Self::Value, A::Error> {
+                let mut values = Vec::new();
+                while let Some(x) = seq.next_element()? {
+                    values.push(x);
+                }
+                Ok(ParameterRon::PerPose(values))
+            }
+            fn visit_map<A: MapAccess<'de>>(self, mut map: A) -> Result<Self::Value, A::Error> {
+                const KNOWN: &[&str] = &["over_time_s", "over_repetition"];
+                let key: Option<String> = map.next_key()?;
+                let found = match key.as_deref() {
+                    Some("over_time_s") => ParameterRon::OverTime(map.next_value()?),
+                    Some("over_repetition") => ParameterRon::OverRepetition(map.next_value()?),
+                    Some(other) => return Err(de::Error::unknown_field(other, KNOWN)),
+                    None => return Err(de::Error::invalid_length(0, &self)),
+                };
+                match map.next_key::<String>()? {
+                    None => Ok(found),
+                    Some(other) => Err(de::Error::unknown_field(&other, &[])),
+                }
+            }
+        }
+        d.deserialize_any(Read)
+    }
+}
+
+/// Which way a succession runs.
+#[derive(Clone, Copy, Debug, Default, Deserialize)]
+#[serde(rename = "direction")]
+pub enum DirectionRon {
+    /// From the hips outward.
+    #[default]
+    Forward,
+    /// From the extremities inward.
+    Reverse,
+}
+
+/// What an amplitude is measured from.
+#[derive(Clone, Copy, Debug, Default, Deserialize)]
+#[serde(rename = "reference")]
+pub enum ReferenceRon {
+    /// The average of neighbouring poses.
+    #[default]
+    InterPose,
+    /// The rest pose of the character.
+    Rest,
+}
+
+/// An edit. `on`: labels as text, several by commas; empty is the whole script. `repetition`: only
+/// this repetition of the cycle or pose named. `parts`: body parts, joints; empty is the whole body.
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields, rename = "edit")]
+#[expect(missing_docs, reason = "fields of every variant as described above; parameters in `edits`")]
+pub enum EditRon {
+    Succession {
+        #[serde(default)]
+        on: String,
+        repetition: Option<usize>,
+        #[serde(default)]
+        parts: Vec<String>,
+        offset_s: ParameterRon,
+        #[serde(default)]
+        direction: DirectionRon,
+    },
+    Amplitude {
+        #[serde(default)]
+        on: String,
+        repetition: Option<usize>,
+        #[serde(default)]
+        parts: Vec<String>,
+        factor: ParameterRon,
+        #[serde(default)]
+        reference: ReferenceRon,
+    },
+    ExtentShoulder {
+        #[serde(default)]
+        on: String,
+        repetition: Option<usize>,
+        #[serde(default)]
+        parts: Vec<String>,
+        extent: ParameterRon,
+    },
+    ExtentReach {
+        #[serde(default)]
+        on: String,
+        repetition: Option<usize>,
+        #[serde(default)]
+        parts: Vec<String>,
+        factor: ParameterRon,
+    },
+    Tension {
+        #[serde(default)]
+        on: String,
+        repetition: Option<usize>,
+        #[serde(default)]
+        parts: Vec<String>,
+        factor: Option<ParameterRon>,
+        absolute: Option<ParameterRon>,
+    },
+}
+
+/// Gravity and ground.
+#[derive(Clone, Copy, Debug, Deserialize)]
+#[serde(deny_unknown_fields, rename = "world", default)]
+pub struct WorldRon {
+    /// Gravity, m/s².
+    pub gravity_m_s2: (f64, f64, f64),
+    /// The ground.
+    pub ground: GroundRon,
+}
+
+impl Default for WorldRon {
+    fn default() -> Self {
+        Self { gravity_m_s2: (0.0, -9.81, 0.0), ground: GroundRon::Plane { friction: 0.8, height_m: 0.0 } }
+    }
+}
+
+/// The ground.
+#[derive(Clone, Copy, Debug, Deserialize)]
+#[serde(deny_unknown_fields, rename = "ground")]
+pub enum GroundRon {
+    /// None: the body hangs in the air.
+    None,
+    /// A horizontal plane.
+    Plane {
+        /// Coulomb friction coefficient.
+        friction: f64,
+        /// Height, m.
+        #[serde(default)]
+        height_m: f64,
+    },
+}
+
+/// What holds the root.
+#[derive(Clone, Copy, Debug, Default, Deserialize)]
+#[serde(deny_unknown_fields, rename = "root")]
+pub enum RootRon {
+    /// Muscles and contacts only.
+    #[default]
+    Free,
+    /// A wrench towards the kinematic path, within a budget.
+    Assisted {
+        /// Largest force, N.
+        force_n: f64,
+        /// Largest moment, N·m.
+        moment_nm: f64,
+    },
+    /// The root follows the kinematic path.
+    Pinned,
+}
+
+/// What transitions interpolate.
+#[derive(Clone, Copy, Debug, Default, Deserialize)]
+#[serde(rename = "blend")]
+pub enum BlendRon {
+    /// Stiffness and rest angle.
+    #[default]
+    RestAngle,
+    /// The two gains, literally as in [NF02].
+    Gains,
+}
+
+/// Numbers of the dynamic pass.
+#[derive(Clone, Copy, Debug, Deserialize)]
+#[serde(deny_unknown_fields, rename = "physics", default)]
+pub struct PhysicsRon {
+    /// Control steps per second.
+    pub rate_hz: f64,
+    /// Engine substeps; by default two, or more where a joint is stiff.
+    pub substeps: Option<usize>,
+    /// Factor on every tension.
+    pub tension: f64,
+    /// What transitions interpolate.
+    pub blend: BlendRon,
+}
+
+impl Default for PhysicsRon {
+    fn default() -> Self {
+        Self { rate_hz: 240.0, substeps: None, tension: 1.0, blend: BlendRon::RestAngle }
+    }
+}
+
+/// A push.
+#[derive(Clone, Debug, Deserialize)]
+#[serde(deny_unknown_fields, rename = "Push")]
+pub struct PushRon {
+    /// Link pushed.
+    pub link: String,
+    /// Point in the link's frame, m.
+    #[serde(default)]
+    pub at_m: (f64, f64, f64),
+    /// Impulse, world, N·s.
+    pub impulse_ns: (f64, f64, f64),
+    /// When it begins, s.
+    pub start_s: f64,
+    /// How long it lasts, s.
+    #[serde(default = "push_time")]
+    pub duration_s: f64,
+}
+
+fn push_time() -> f64 {
+    0.1
+}
+
+/// How film strips are drawn.
+#[derive(Clone, Copy, Debug, Deserialize)]
+#[serde(deny_unknown_fields, rename = "strip", default)]
+pub struct StripRon {
+    /// Number of figures in a row.
+    pub figures: usize,
+    /// First moment shown, s.
+    pub from_s: f64,
+    /// Last moment shown, s; by default the end.
+    pub to_s: Option<f64>,
+}
+
+impl Default for StripRon {
+    fn default() -> Self {
+        Self { figures: 9, from_s: 0.0, to_s: None }
+    }
+}

@@ -1,0 +1,363 @@
+//! The stage: a scene or a clip, ready to be performed.
+//!
+//! In: a scene file, or a motion-capture BVH with (or without) a body. Out: a [`Stage`]: a character, the
+//! kinematic motion asked of it, and how to run the dynamic pass. Preview is a stage without its
+//! simulation.
+//!
+//! ```text
+//! scene.ron ─→ tracks ─→ edits ─→ sampled, limits, feet planted, balanced ─→ Stage
+//! human.bvh ─→ clip ─→ body guessed or given ─→ limits ────────────────────→ Stage
+//! ```
+
+use std::path::Path;
+use std::sync::Arc;
+
+use controllers::{BalanceSettings, Goal, Setup, posture};
+use dynamics::anthropometry::guess::{BodyOptions, BodyReport, GuessError, guess_body};
+use dynamics::pose_map::{PoseMap, PoseMapError};
+use dynamics::{Character, Model, RootMode, State};
+use edits::EditLog;
+use motion::format::bvh::{self, BvhFileError, ImportOptions, ImportReport};
+use motion::plant::{Plant, plant};
+use motion::support::ground;
+use motion::{Clip, Kinematics, Tracks, Vec3};
+use sim::{Ground, Pass, PassError, Push};
+
+use crate::scene::{self, Physics, Scene};
+use crate::schema::StripRon;
+use crate::{SceneError, character_file};
+
+/// Why nothing can be staged.
+#[derive(Debug, thiserror::Error)]
+pub enum StageError {
+    /// A scene or character file.
+    #[error(transparent)]
+    Scene(#[from] SceneError),
+    /// A BVH file.
+    #[error(transparent)]
+    Bvh(#[from] BvhFileError),
+    /// No body for a clip.
+    #[error(
+        "{path}: {source}\n  help: give a body with --body FILE.ron; `contrapposto inspect` writes one to start from"
+    )]
+    Body {
+        /// The clip.
+        path: String,
+        /// Why.
+        source: GuessError,
+    },
+    /// A body that does not fit the clip.
+    #[error("the body does not fit {path}: {source}")]
+    Map {
+        /// The clip.
+        path: String,
+        /// Why.
+        source: PoseMapError,
+    },
+    /// A clip too short to perform.
+    #[error("{path}: the clip has {frames} frame(s); a motion needs at least 2")]
+    Short {
+        /// The clip.
+        path: String,
+        /// Frames found.
+        frames: usize,
+    },
+    /// Something else than a scene or clip.
+    #[error("{0}: neither a scene (.ron) nor a clip (.bvh)")]
+    Kind(String),
+}
+
+/// What a clip came with.
+pub struct ClipSource {
+    /// The clip as read, with all its joints.
+    pub clip: Clip,
+    /// Between the clip's joints and the character's.
+    pub map: PoseMap,
+    /// What was read and guessed of the file.
+    pub import: ImportReport,
+    /// What was guessed of the body; `None` if it was given.
+    pub body: Option<BodyReport>,
+}
+
+/// A motion with the body that is to perform it. See the module header.
+pub struct Stage {
+    /// Name, for output folders.
+    pub name: String,
+    /// The body.
+    pub character: Arc<Character>,
+    /// The motion asked for: edited, within joint limits, feet planted; at the frame rate.
+    pub kinematic: Clip,
+    /// The same without edits (equal to `kinematic` when there are none).
+    pub unedited: Clip,
+    /// The elements behind it, edited; `None` for a clip.
+    pub tracks: Option<Tracks>,
+    /// Who edited what.
+    pub log: EditLog,
+    /// Feet that stay where they are.
+    pub plants: Vec<Plant>,
+    /// Numbers of the dynamic pass.
+    pub physics: Physics,
+    /// Pushes from outside.
+    pub pushes: Vec<Push>,
+    /// How film strips are drawn.
+    pub strip: StripRon,
+    /// The clip behind it; `None` for a scene.
+    pub clip: Option<ClipSource>,
+    /// Fraction of the frames that joint limits changed.
+    pub clamped: f64,
+}
+
+/// Opens a scene (`.ron`) or a clip (`.bvh`); `body` is a character file for a clip.
+///
+/// # Errors
+/// [`StageError`]: anything wrong with the files.
+pub fn open(path: &Path, body: Option<&Path>, import: &ImportOptions) -> Result<Stage, StageError> {
+    let kind = path.extension().map(|e| e.to_string_lossy().to_lowercase());
+    match kind.as_deref() {
+        Some("ron") => Ok(stage_scene(scene::read(path)?)?),
+        Some("bvh") => stage_clip(path, body, import),
+        _ => Err(StageError::Kind(path.display().to_string())),
+    }
+}
+
+/// Builds and edits the tracks of a scene, with and without edits.
+///
+/// # Errors
+/// Scripts and edits that make no sense, at their place in the file.
+pub fn edited_tracks(scene: &Scene) -> Result<(Tracks, Tracks, EditLog), SceneError> {
+    let whole = |e: &dyn std::error::Error| scene.source.error("script", e.to_string());
+    let skeleton = &scene.character.skeleton;
+    let plain = scene.script.build(skeleton, &scene.character.rest).map_err(|e| whole(&e))?;
+    let mut tracks = plain.clone();
+    let mut log = EditLog::default();
+    for e in &scene.edits {
+        for selector in &e.on {
+            let fault = |field: &str, text: String| scene.source.error(&format!("{}{field}", e.at), text);
+            let selection = selector.select(&tracks).map_err(|x| fault(".on", x.to_string()))?;
+            if selection.is_empty() && !selection.is_whole_script() {
+                return Err(fault(".on", "nothing is selected: the place has none of these parts".into()));
+            }
+            e.edit.apply(&mut tracks, &selection, &mut log).map_err(|x| fault("", x.to_string()))?;
+        }
+    }
+    Ok((plain, tracks, log))
+}
+
+/// A scene's stage.
+///
+/// # Errors
+/// As [`edited_tracks`], and legs that cannot be solved.
+pub fn stage_scene(scene: Scene) -> Result<Stage, SceneError> {
+    let (mut plain, mut tracks, log) = edited_tracks(&scene)?;
+    let end = tracks.duration_s.max(plain.duration_s) + scene.settle_s;
+    tracks.duration_s = end;
+    plain.duration_s = end;
+    let character = scene.character.clone();
+    let skeleton = &character.skeleton;
+    let plants: Vec<Plant> =
+        scene.planted.iter().map(|&l| Plant::here(skeleton, &character.rest, &skeleton.limbs()[l])).collect();
+    let sampler = Sampler { scene: &scene, plants: &plants };
+    let (kinematic, clamped) = sampler.sample(&tracks)?;
+    let (unedited, _) = sampler.sample(&plain)?;
+    Ok(Stage {
+        name: scene.name.clone(),
+        kinematic,
+        unedited,
+        tracks: Some(tracks),
+        log,
+        plants,
+        physics: scene.physics,
+        pushes: scene.pushes.clone(),
+        strip: scene.strip,
+        clip: None,
+        clamped,
+        character,
+    })
+}
+
+struct Sampler<'a> {
+    scene: &'a Scene,
+    plants: &'a [Plant],
+}
+
+impl Sampler<'_> {
+    /// Samples tracks at the frame rate, keeps joint limits, plants the feet, and moves the pelvis so
+    /// that the centre of mass stays where it is at rest (plus what the script moves the root).
+    fn sample(&self, tracks: &Tracks) -> Result<(Clip, f64), SceneError> {
+        let character = &self.scene.character;
+        let skeleton = &character.skeleton;
+        let model = Model::new(character, self.scene.physics.gravity);
+        let mut state = State::new(&model);
+        state.update(&model, &character.rest, &vec![0.0; model.nv()]);
+        let stance = ground(&state.com(&model));
+        let home = skeleton.position(&character.rest, 0);
+        let ik = |e: motion::ik::IkError| self.scene.source.error("planted", e.to_string());
+        let mut clip = tracks.sample(self.scene.rate_hz);
+        let mut clamped = 0;
+        for f in 0..clip.frames() {
+            let q = clip.pose_mut(f);
+            clamped += usize::from(skeleton.clamp_to_limits(q));
+            if self.plants.is_empty() {
+                continue;
+            }
+            if self.scene.physics.root == RootMode::Pinned {
+                plant(skeleton, q, self.plants).map_err(ik)?;
+            } else {
+                let moved = ground(&(skeleton.position(q, 0) - home));
+                posture::settle(&model, &mut state, q, self.plants, stance + moved).map_err(ik)?;
+            }
+        }
+        let share = clamped as f64 / clip.frames() as f64;
+        Ok((clip, share))
+    }
+}
+
+/// Window in which a clip's feet count as standing throughout, m.
+const STANDS: f64 = 0.05;
+
+fn stage_clip(path: &Path, body: Option<&Path>, import: &ImportOptions) -> Result<Stage, StageError> {
+    let shown = path.display().to_string();
+    let (clip, report) = bvh::read_file(path, import)?;
+    if clip.frames() < 2 {
+        return Err(StageError::Short { path: shown, frames: clip.frames() });
+    }
+    let (character, guess) = match body {
+        Some(file) => (character_file::read(file)?, None),
+        None => guess(&clip).map_err(|source| StageError::Body { path: shown.clone(), source })?,
+    };
+    let character = Arc::new(character);
+    let skeleton = &character.skeleton;
+    let map =
+        PoseMap::new(&clip.skeleton, skeleton).map_err(|source| StageError::Map { path: shown, source })?;
+    let mut kinematic = map.clip_to_character(&clip, skeleton);
+    let mut clamped = 0;
+    for f in 0..kinematic.frames() {
+        clamped += usize::from(skeleton.clamp_to_limits(kinematic.pose_mut(f)));
+    }
+    let name = path.file_stem().map_or_else(|| "clip".into(), |s| s.to_string_lossy().into_owned());
+    let floor = floor(&character, &kinematic);
+    let plants = standing(&character, &kinematic);
+    let rate = clip.rate_hz;
+    Ok(Stage {
+        name,
+        unedited: kinematic.clone(),
+        tracks: None,
+        log: EditLog::default(),
+        plants,
+        physics: Physics {
+            // whole control steps per frame, near 240 Hz
+            rate_hz: rate * (240.0 / rate).round().max(1.0),
+            substeps: None,
+            tension: 1.0,
+            blend: controllers::GainBlend::RestAngle,
+            root: RootMode::Pinned,
+            gravity: Vec3::new(0.0, -9.81, 0.0),
+            ground: floor.map(|height_m| Ground { height_m, friction: 0.8 }),
+        },
+        pushes: Vec::new(),
+        strip: StripRon::default(),
+        clamped: clamped as f64 / kinematic.frames() as f64,
+        kinematic,
+        clip: Some(ClipSource { clip, map, import: report, body: guess }),
+        character,
+    })
+}
+
+/// A body for a clip: from its zero pose, or where that does not stand, from its most upright frame.
+fn guess(clip: &Clip) -> Result<(Character, Option<BodyReport>), GuessError> {
+    let options = BodyOptions::default();
+    match guess_body(&clip.skeleton, &options) {
+        Ok((c, r)) => Ok((c, Some(r))),
+        Err(first @ GuessError::NotStanding { .. }) => {
+            // any standing frame will do; the first that the rules accept
+            let step = (clip.frames() / 20).max(1);
+            (0..clip.frames())
+                .step_by(step)
+                .find_map(|f| {
+                    let reference = Some(clip.pose(f).to_vec());
+                    guess_body(&clip.skeleton, &BodyOptions { reference, ..options.clone() }).ok()
+                })
+                .map(|(c, r)| (c, Some(r)))
+                .ok_or(first)
+        }
+        Err(e) => Err(e),
+    }
+}
+
+/// Height below which 2 % of the frames' lowest contact points lie, m; `None` without contact points.
+fn floor(character: &Character, clip: &Clip) -> Option<f64> {
+    let sites: Vec<_> = character.contacts.iter().map(|&c| &character.skeleton.sites()[c]).collect();
+    let mut k = Kinematics::new(&clip.skeleton, clip.pose(0));
+    let mut lowest: Vec<f64> = (0..clip.frames())
+        .map(|f| {
+            k.update(&clip.skeleton, clip.pose(f));
+            sites.iter().map(|s| k.point(s.link, &s.at).y).fold(f64::INFINITY, f64::min)
+        })
+        .collect();
+    lowest.sort_by(f64::total_cmp);
+    let height = lowest[lowest.len() / 50];
+    height.is_finite().then_some(height)
+}
+
+/// Plants of a clip whose feet all stay where they are from beginning to end; else none.
+fn standing(character: &Character, clip: &Clip) -> Vec<Plant> {
+    let skeleton = &character.skeleton;
+    let legs: Vec<_> = character.legs().collect();
+    let first = Kinematics::new(skeleton, clip.pose(0));
+    let mut k = first.clone();
+    for f in 0..clip.frames() {
+        k.update(skeleton, clip.pose(f));
+        if legs.iter().any(|l| (k.origin(l.end) - first.origin(l.end)).norm() > STANDS) {
+            return Vec::new();
+        }
+    }
+    legs.iter().map(|l| Plant::here(skeleton, clip.pose(0), l)).collect()
+}
+
+impl Stage {
+    /// The dynamic pass of this stage.
+    pub fn pass(&self) -> Pass {
+        let p = &self.physics;
+        let held = p.root == RootMode::Pinned;
+        let goal = Goal::new(&self.kinematic, p.rate_hz);
+        Pass {
+            setup: Setup {
+                character: self.character.clone(),
+                gravity: p.gravity,
+                goal,
+                tracks: self.tracks.clone(),
+                tension: p.tension,
+                plants: if held { Vec::new() } else { self.plants.clone() },
+                balance: BalanceSettings::default(),
+                blend: p.blend,
+            },
+            substeps: p.substeps,
+            root: p.root,
+            // a pinned clip passes through the floor as it was captured: contact would fight the pin
+            ground: if held && self.clip.is_some() { None } else { p.ground },
+            pushes: self.pushes.clone(),
+        }
+    }
+
+    /// Runs the dynamic pass.
+    ///
+    /// # Errors
+    /// [`PassError`].
+    pub fn perform(&self, progress: &mut dyn FnMut(f64)) -> Result<sim::Outcome, PassError> {
+        self.pass().run(progress)
+    }
+
+    /// A clip of the character at the frame rate, as it is written to files: with all joints of the
+    /// clip it came from.
+    pub fn for_files(&self, clip: &Clip) -> Clip {
+        let clip = if clip.rate_hz == self.kinematic.rate_hz {
+            clip.clone()
+        } else {
+            clip.resample(self.kinematic.rate_hz)
+        };
+        match &self.clip {
+            Some(source) => source.map.clip_to_source(&clip, &source.clip),
+            None => clip,
+        }
+    }
+}
