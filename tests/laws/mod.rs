@@ -3,4 +3,11 @@
 mod bodies;
 mod stage;
 
+mod actuators;
+mod clips;
+mod determinism;
+mod momentum;
+mod pushes;
+mod sagging;
+mod steps;
 mod stiffness;
