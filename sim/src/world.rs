@@ -300,10 +300,10 @@ impl World {
             return;
         }
         let dt = 1.0 / self.settings.rate_hz;
-        let root = self.model.bodies[0].clone();
+        let q_at = self.model.bodies[0].q_at;
         let at = |q: &[f64]| {
-            let r = quat_at(q, root.q_at + 3);
-            (vec_at(q, root.q_at) + r * self.root_shift, r)
+            let r = quat_at(q, q_at + 3);
+            (vec_at(q, q_at) + r * self.root_shift, r)
         };
         let ((c0, r0), (c1, r1)) = (at(&self.q), at(q_next));
         let linear = (c1 - c0) / dt;
