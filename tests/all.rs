@@ -1,1 +1,3 @@
-//! promises
+//! Promises across the crates. Each module is one kind of promise.
+
+mod scenes;
