@@ -2,3 +2,6 @@
 
 mod arrows;
 mod laws;
+//! Promises across the crates. Each module is one kind of promise.
+
+mod scenes;

@@ -7,7 +7,9 @@
 //! `Hip/Knee/Ankle`.
 //!
 //! Names find the limbs and the head. Spine, neck and collar bones are found from the tree: rigs
-//! agree on where they are, not on what they are called.
+//! agree on where they are, not on what they are called. Limbs without known names are not guessed from
+//! the tree: lengths do not tell a collar bone from an upper arm (CMU: collar bone 0.21 m, upper arm
+//! 0.27 m, forearm 0.19 m), and a body hung on the wrong joint is worse than a refusal.
 
 use motion::Skeleton;
 use thiserror::Error;

@@ -14,6 +14,9 @@ use super::schema::{CharacterRon, JointRon, KindRon, LimitsRon, ShapeRon, V3, cl
 use crate::angle::{Angle, quat_from_deg};
 use crate::error::{SceneError, Source};
 
+/// More links than any character has; a longer list is a mistake and would only cost time.
+const MOST_LINKS: usize = 2000;
+
 /// Reads a character.
 ///
 /// # Errors
@@ -133,6 +136,10 @@ impl Reader<'_> {
         let (s, links) = (self.source, &self.ron.links);
         if links.is_empty() {
             return Err(s.error("links", "a character needs at least one link"));
+        }
+        if links.len() > MOST_LINKS {
+            let e = format!("{} links; a character has at most {MOST_LINKS}", links.len());
+            return Err(s.error("links", e));
         }
         let mut roots = Vec::new();
         for (i, link) in links.iter().enumerate() {
