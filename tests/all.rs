@@ -1,7 +1,5 @@
-//! Promises that no crate can make alone, as tests. One file per idea.
+//! Promises across the crates. Each module is one kind of promise.
 
 mod arrows;
 mod laws;
-//! Promises across the crates. Each module is one kind of promise.
-
 mod scenes;
