@@ -9,6 +9,7 @@
 //! | [`scene`] | a scene file, checked |
 //! | [`schema`] | its words |
 //! | [`stage`] | a scene or a clip, ready to be performed |
+//! | [`overrides`] | numbers of the dynamic pass given beside the file |
 //! | [`report`] | the numbers of a run |
 //! | [`character_file`] | characters as RON |
 //! | [`angle`] | joint values in degrees |
@@ -18,6 +19,7 @@
 pub mod angle;
 pub mod character_file;
 pub mod error;
+pub mod overrides;
 pub mod report;
 pub mod scene;
 pub mod schema;
@@ -26,6 +28,7 @@ pub mod stage;
 
 pub use angle::Angle;
 pub use error::{SceneError, Source};
+pub use overrides::Overrides;
 pub use report::Report;
 pub use scene::Scene;
-pub use stage::{Stage, StageError, open};
+pub use stage::{Stage, StageError, open, open_with};

@@ -23,6 +23,7 @@ use motion::support::ground;
 use motion::{Clip, Kinematics, Tracks, Vec3};
 use sim::{Ground, Pass, PassError, Push};
 
+use crate::overrides::Overrides;
 use crate::scene::{self, Physics, Scene};
 use crate::schema::StripRon;
 use crate::{SceneError, character_file};
@@ -112,10 +113,32 @@ pub struct Stage {
 /// # Errors
 /// [`StageError`]: anything wrong with the files.
 pub fn open(path: &Path, body: Option<&Path>, import: &ImportOptions) -> Result<Stage, StageError> {
+    open_with(path, body, import, &Overrides::default())
+}
+
+/// [`open`] with numbers of the dynamic pass other than the file's. They must be known this early: a
+/// pinned root is not moved to balance the feet.
+///
+/// # Errors
+/// As [`open`].
+pub fn open_with(
+    path: &Path,
+    body: Option<&Path>,
+    import: &ImportOptions,
+    overrides: &Overrides,
+) -> Result<Stage, StageError> {
     let kind = path.extension().map(|e| e.to_string_lossy().to_lowercase());
     match kind.as_deref() {
-        Some("ron") => Ok(stage_scene(scene::read(path)?)?),
-        Some("bvh") => stage_clip(path, body, import),
+        Some("ron") => {
+            let mut scene = scene::read(path)?;
+            overrides.apply(&mut scene.physics, scene.character.mass());
+            Ok(stage_scene(scene)?)
+        }
+        Some("bvh") => {
+            let mut stage = stage_clip(path, body, import)?;
+            overrides.apply(&mut stage.physics, stage.character.mass());
+            Ok(stage)
+        }
         _ => Err(StageError::Kind(path.display().to_string())),
     }
 }
