@@ -31,4 +31,5 @@ pub use error::{SceneError, Source};
 pub use overrides::Overrides;
 pub use report::Report;
 pub use scene::Scene;
+pub use sim::Outcome;
 pub use stage::{Stage, StageError, open, open_with};

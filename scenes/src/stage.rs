@@ -20,7 +20,7 @@ use edits::EditLog;
 use motion::format::bvh::{self, BvhFileError, ImportOptions, ImportReport};
 use motion::plant::{Plant, plant};
 use motion::support::ground;
-use motion::{Clip, Kinematics, Tracks, Vec3};
+use motion::{Clip, Kinematics, Shape, Tracks, Vec3};
 use sim::{Ground, Pass, PassError, Push};
 
 use crate::overrides::Overrides;
@@ -370,17 +370,33 @@ impl Stage {
         self.pass().run(progress)
     }
 
-    /// A clip of the character at the frame rate, as it is written to files: with all joints of the
-    /// clip it came from.
-    pub fn for_files(&self, clip: &Clip) -> Clip {
-        let clip = if clip.rate_hz == self.kinematic.rate_hz {
+    /// A clip of the character at the frame rate.
+    pub fn at_frames(&self, clip: &Clip) -> Clip {
+        if clip.rate_hz == self.kinematic.rate_hz {
             clip.clone()
         } else {
             clip.resample(self.kinematic.rate_hz)
-        };
+        }
+    }
+
+    /// A clip of the character at the frame rate, as it is written to files: with all joints of the
+    /// clip it came from.
+    pub fn for_files(&self, clip: &Clip) -> Clip {
+        let clip = self.at_frames(clip);
         match &self.clip {
             Some(source) => source.map.clip_to_source(&clip, &source.clip),
             None => clip,
         }
+    }
+
+    /// Unit of length of the BVH files written, m: that of the clip read, else the centimetre.
+    pub fn metres_per_unit(&self) -> f64 {
+        self.clip.as_ref().map_or(0.01, |source| source.import.units.metres_per_unit)
+    }
+
+    /// The body's solids, each with its link.
+    pub fn solids(&self) -> Vec<(usize, Shape)> {
+        let links = self.character.bodies.iter().enumerate();
+        links.flat_map(|(link, body)| body.shapes.iter().map(move |shape| (link, *shape))).collect()
     }
 }
