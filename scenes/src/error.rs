@@ -80,6 +80,13 @@ impl Source {
         &self.path
     }
 
+    /// The first word that is no comment or attribute, such as `Scene`.
+    pub fn first_word(&self) -> Option<&str> {
+        let mut lines = self.text.lines().map(str::trim_start);
+        let line = lines.find(|l| !l.is_empty() && !l.starts_with("//") && !l.starts_with('#'))?;
+        line.split(|c: char| !c.is_alphanumeric() && c != '_').next()
+    }
+
     /// Parses the text; `Some(…)` may be left out around optional values.
     ///
     /// # Errors

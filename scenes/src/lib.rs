@@ -9,6 +9,7 @@
 //! | [`scene`] | a scene file, checked |
 //! | [`schema`] | its words |
 //! | [`stage`] | a scene or a clip, ready to be performed |
+//! | [`inspect`] | what is in a file |
 //! | [`overrides`] | numbers of the dynamic pass given beside the file |
 //! | [`report`] | the numbers of a run |
 //! | [`character_file`] | characters as RON |
@@ -19,6 +20,7 @@
 pub mod angle;
 pub mod character_file;
 pub mod error;
+pub mod inspect;
 pub mod overrides;
 pub mod report;
 pub mod scene;

@@ -293,19 +293,23 @@ fn support_margin(t: &Trace) -> Option<f64> {
     least.filter(|m| m.is_finite())
 }
 
+/// `free`, `assisted` or `pinned`.
+pub(crate) fn root_name(mode: RootMode) -> &'static str {
+    match mode {
+        RootMode::Free => "free",
+        RootMode::Assisted { .. } => "assisted",
+        RootMode::Pinned => "pinned",
+    }
+}
+
 fn root(t: &Trace, mass: f64) -> RootReport {
     let vectors =
         |at: usize| t.root_wrench.chunks_exact(6).map(move |w| Vec3::new(w[at], w[at + 1], w[at + 2]).norm());
     let n = t.rows().max(1) as f64;
     let squares: f64 = vectors(0).map(|f| f * f).sum();
     let rms = (squares / n).sqrt();
-    let mode = match t.root {
-        RootMode::Free => "free",
-        RootMode::Assisted { .. } => "assisted",
-        RootMode::Pinned => "pinned",
-    };
     RootReport {
-        mode: mode.into(),
+        mode: root_name(t.root).into(),
         residual_force_peak_n: vectors(0).fold(0.0, f64::max),
         residual_force_rms_n: rms,
         residual_moment_peak_nm: vectors(3).fold(0.0, f64::max),
