@@ -8,7 +8,7 @@ use scenes::overrides::{Overrides, RATES, RootChoice, SUBSTEPS, TENSIONS};
 
 /// Motion performed by a body with mass, muscles and contacts.
 #[derive(Debug, Parser)]
-#[command(name = "contrapposto", version, about, after_help = EXAMPLES, arg_required_else_help = true)]
+#[command(name = "contrapposto", version, after_help = EXAMPLES, arg_required_else_help = true)]
 pub struct Cli {
     /// What to do.
     #[command(subcommand)]
@@ -39,7 +39,7 @@ pub enum Command {
 #[derive(Clone, Debug, Default, Args)]
 pub struct ClipArgs {
     /// Metres in one unit of the BVH file (0.01 for centimetres); guessed if not given
-    #[arg(long, value_name = "METRES_PER_UNIT", value_parser = length)]
+    #[arg(long, value_name = "METRES_PER_UNIT", value_parser = length, allow_negative_numbers = true)]
     pub units: Option<f64>,
     /// Vertical axis of the BVH file; guessed if not given
     #[arg(long, value_enum)]
@@ -100,13 +100,13 @@ pub struct RenderArgs {
     #[arg(long)]
     pub kinematic: bool,
     /// Factor on every tension: 1 leaves them, 2 is twice as stiff
-    #[arg(long, value_name = "X", value_parser = tension)]
+    #[arg(long, value_name = "X", value_parser = tension, allow_negative_numbers = true)]
     pub tension: Option<f64>,
     /// Control steps per second of the simulation [default: the scene's, 240; near 240 for a clip]
-    #[arg(long, value_name = "HZ", value_parser = rate)]
+    #[arg(long, value_name = "HZ", value_parser = rate, allow_negative_numbers = true)]
     pub rate: Option<f64>,
     /// Engine substeps per control step [default: as many as the stiffest joint needs, at least 2]
-    #[arg(long, value_name = "N", value_parser = substeps)]
+    #[arg(long, value_name = "N", value_parser = substeps, allow_negative_numbers = true)]
     pub substeps: Option<usize>,
     /// Draw nothing
     #[arg(long)]
@@ -185,10 +185,10 @@ pub struct ConvertArgs {
     #[arg(value_name = "OUT")]
     pub output: PathBuf,
     /// Frames per second to resample to [default: the input's]
-    #[arg(long, value_name = "HZ", value_parser = frame_rate)]
+    #[arg(long, value_name = "HZ", value_parser = frame_rate, allow_negative_numbers = true)]
     pub rate: Option<f64>,
     /// Metres in one unit of a BVH written [default: the input's; 0.01 for a scene]
-    #[arg(long, value_name = "METRES_PER_UNIT", value_parser = length)]
+    #[arg(long, value_name = "METRES_PER_UNIT", value_parser = length, allow_negative_numbers = true)]
     pub out_units: Option<f64>,
     /// How to read a clip.
     #[command(flatten)]

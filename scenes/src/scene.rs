@@ -135,7 +135,8 @@ impl Check<'_> {
             return Ok(x);
         }
         let name = at.rsplit('.').next().unwrap_or(at);
-        Err(self.source.error(at, format!("{name} is {x} {unit}; allowed: {lo} to {hi} {unit}")))
+        let unit = if unit.is_empty() { String::new() } else { format!(" {unit}") };
+        Err(self.source.error(at, format!("{name} is {x}{unit}; allowed: {lo} to {hi}{unit}")))
     }
 
     fn vec3(&self, at: &str, v: (f64, f64, f64)) -> Result<Vec3, SceneError> {

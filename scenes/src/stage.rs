@@ -39,7 +39,7 @@ pub enum StageError {
     Bvh(#[from] BvhFileError),
     /// No body for a clip.
     #[error(
-        "{path}: {source}\n  help: give a body with --body FILE.ron; `contrapposto inspect` writes one to start from"
+        "{path}: {source}\n  help: give a body with --body FILE.ron; `contrapposto inspect CLIP --write-body FILE.ron` writes one of any skeleton it understands"
     )]
     Body {
         /// The clip.
@@ -63,9 +63,30 @@ pub enum StageError {
         /// Frames found.
         frames: usize,
     },
+    /// A clip too long to perform.
+    #[error("{path}: {text}", text = too_long(*duration_s, *rate_hz))]
+    Long {
+        /// The clip.
+        path: String,
+        /// Its length, s.
+        duration_s: f64,
+        /// Frames or control steps per second, whichever are more.
+        rate_hz: f64,
+    },
     /// Something else than a scene or clip.
     #[error("{0}: neither a scene (.ron) nor a clip (.bvh)")]
     Kind(String),
+}
+
+/// The most frames or control steps of a motion: half an hour at 240 Hz makes a trace of some gigabytes.
+pub const MOST_STEPS: f64 = 5e5;
+
+fn too_long(duration_s: f64, rate_hz: f64) -> String {
+    let shown = if duration_s < 1e7 { format!("{duration_s:.1}") } else { format!("{duration_s:e}") };
+    let most = MOST_STEPS / rate_hz;
+    format!(
+        "the motion lasts {shown} s; at {rate_hz} Hz (frames or control steps) allowed: up to {most:.0} s"
+    )
 }
 
 /// What a clip came with.
@@ -137,6 +158,11 @@ pub fn open_with(
         Some("bvh") => {
             let mut stage = stage_clip(path, body, import)?;
             overrides.apply(&mut stage.physics, stage.character.mass());
+            let duration_s = stage.kinematic.duration_s();
+            let rate_hz = stage.kinematic.rate_hz.max(stage.physics.rate_hz);
+            if duration_s * rate_hz > MOST_STEPS {
+                return Err(StageError::Long { path: path.display().to_string(), duration_s, rate_hz });
+            }
             Ok(stage)
         }
         _ => Err(StageError::Kind(path.display().to_string())),
@@ -173,6 +199,10 @@ pub fn edited_tracks(scene: &Scene) -> Result<(Tracks, Tracks, EditLog), SceneEr
 pub fn stage_scene(scene: Scene) -> Result<Stage, SceneError> {
     let (mut plain, mut tracks, log) = edited_tracks(&scene)?;
     let end = tracks.duration_s.max(plain.duration_s) + scene.settle_s;
+    let rate_hz = scene.rate_hz.max(scene.physics.rate_hz);
+    if end * rate_hz > MOST_STEPS {
+        return Err(scene.source.error("script", too_long(end, rate_hz)));
+    }
     tracks.duration_s = end;
     plain.duration_s = end;
     let character = scene.character.clone();
