@@ -6,8 +6,6 @@ use std::path::Path;
 use scenes::report::{DynamicReport, FeetReport};
 use scenes::{Report, Stage};
 
-/// Damping ratio every joint is given, before what the integrator adds.
-const DAMPING: f64 = 0.5;
 /// Joints named as sagging.
 const SAGGING: usize = 5;
 
@@ -107,9 +105,10 @@ fn performed(out: &mut String, d: &DynamicReport) -> std::fmt::Result {
         out,
         "muscles",
         format!(
-            "tension {}, damping ratio {DAMPING} (up to {:.2} with the integrator's)",
+            "tension {}, damping ratio {} (up to {:.2} with the integrator's)",
             number(d.tension),
-            DAMPING + d.added_damping_ratio
+            d.damping_ratio,
+            d.damping_ratio + d.added_damping_ratio
         ),
     )?;
     line(

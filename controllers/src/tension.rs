@@ -23,8 +23,8 @@ use crate::rest_of;
 
 /// Damping ratio ζ of every joint: k_d = 2 ζ √(K I_eff).
 ///
-/// Below 1, so that a relaxed limb swings past its goal; above 0.3, so that it does not ring.
-pub const DAMPING_RATIO: f64 = 0.5;
+/// Below 1, so that a relaxed limb swings past its goal; high enough that it does so once and does not ring.
+pub const DAMPING_RATIO: f64 = 0.7;
 
 /// Natural frequency of a joint at T = 1, Hz. See the table in the module header.
 pub fn natural_frequency_hz(class: JointClass) -> f64 {

@@ -23,7 +23,7 @@ pub mod rnea;
 pub mod trace;
 pub mod trace_npz;
 
-pub use anthropometry::{BodyOptions, BodyReport, GuessError, guess_body};
+pub use anthropometry::{BodyOptions, BodyReport, GuessError, guess_body, guess_body_of_clip};
 pub use character::{Body, Character, CharacterError, JointClass};
 pub use inertia::Momentum;
 pub use model::{Model, MovingBody, State};

@@ -7,7 +7,7 @@
 use std::collections::BTreeMap;
 use std::path::Path;
 
-use dynamics::anthropometry::guess::BodyReport;
+use dynamics::anthropometry::{BodyOptions, BodyReport, guess_body_of_clip};
 use dynamics::{Character, JointClass};
 use motion::format::bvh::{self, Chosen, ImportOptions, ImportReport};
 use motion::{Clip, Dof, Joint, Kinematics, Limits, Range, Shape, Skeleton, Tracks, Value};
@@ -15,7 +15,7 @@ use serde::Serialize;
 
 use crate::angle::deg_from_quat;
 use crate::scene::{self, Scene};
-use crate::stage::{edited_tracks, guess};
+use crate::stage::edited_tracks;
 use crate::{Source, StageError, character_file};
 
 /// What is in a file.
@@ -221,8 +221,8 @@ pub fn inspect(path: &Path, import: &ImportOptions) -> Result<(Inspection, Optio
         }
         Some("bvh") => {
             let (clip, report) = bvh::read_file(path, import)?;
-            let (character, guess, fault) = match guess(&clip) {
-                Ok((character, guess)) => (Some(character), guess, None),
+            let (character, guess, fault) = match guess_body_of_clip(&clip, &BodyOptions::default()) {
+                Ok((character, guess)) => (Some(character), Some(guess), None),
                 Err(e) => (None, None, Some(e.to_string())),
             };
             let inspection = of_clip(&clip, &report, character.as_ref(), guess.as_ref(), fault);

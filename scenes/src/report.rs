@@ -106,7 +106,9 @@ pub struct DynamicReport {
     pub worst_joints: Vec<JointReport>,
     /// RMS distance of the links' origins to the motion asked for, mm.
     pub position_rms_mm: f64,
-    /// Largest ω₀ dt/2 that implicit integration adds to a damping ratio of 0.5.
+    /// Damping ratio every joint is given.
+    pub damping_ratio: f64,
+    /// Largest ω₀ dt/2 that implicit integration adds to it.
     pub added_damping_ratio: f64,
     /// Least distance of the centre of mass inside the support, mm (negative outside); absent when
     /// nothing stands.
@@ -137,13 +139,14 @@ pub struct JointReport {
 pub struct RootReport {
     /// `free`, `assisted` or `pinned`.
     pub mode: String,
-    /// Largest force from outside, N. Zero when free.
+    /// Largest force that neither gravity nor contacts explain, N: assist, pin, or when free the error of the
+    /// integrator.
     pub residual_force_peak_n: f64,
-    /// RMS force from outside, N.
+    /// RMS of that force, N.
     pub residual_force_rms_n: f64,
-    /// Largest moment from outside, N·m.
+    /// Largest moment of that kind about the root's origin, N·m.
     pub residual_moment_peak_nm: f64,
-    /// Integral of the force's magnitude, N·s.
+    /// Integral of that force's magnitude, N·s.
     pub impulse_ns: f64,
     /// RMS force over body weight, %.
     pub residual_force_rms_percent_bw: f64,
@@ -255,6 +258,7 @@ fn dynamic(stage: &Stage, o: &Outcome) -> DynamicReport {
             })
             .collect(),
         position_rms_mm: metrics::position_rms_mm(clip, &target),
+        damping_ratio: controllers::tension::DAMPING_RATIO,
         added_damping_ratio: o.added_damping.0,
         support_margin_mm_min: support_margin(t),
         root: root(t, c.mass()),
@@ -302,18 +306,38 @@ pub(crate) fn root_name(mode: RootMode) -> &'static str {
     }
 }
 
+/// What neither gravity nor contacts explain: force and moment about the root's origin per row, from
+/// differences of the recorded momentum. For a free root it is the rounding of the integrator.
+fn residual(t: &Trace, mass: f64) -> Vec<(Vec3, Vec3)> {
+    let momentum = |row: usize, at: usize| motion::skeleton::vec_at(&t.momentum, 6 * row + at);
+    let mut out = vec![(Vec3::zeros(), Vec3::zeros()); t.rows()];
+    for row in 1..t.rows() {
+        let change = |at: usize| (momentum(row, at) - momentum(row - 1, at)) * t.rate_hz;
+        out[row] = (change(0) - t.gravity * mass, change(3));
+    }
+    for c in t.contacts.iter().filter(|c| c.row > 0) {
+        let (force, moment) = &mut out[c.row];
+        *force -= c.force;
+        *moment -= (c.point - t.com_at(c.row)).cross(&c.force);
+    }
+    for (row, (force, moment)) in out.iter_mut().enumerate().skip(1) {
+        // from the centre of mass to the root's origin
+        let root = t.character.skeleton.position(t.pose(row), 0);
+        *moment += (t.com_at(row) - root).cross(force);
+    }
+    out
+}
+
 fn root(t: &Trace, mass: f64) -> RootReport {
-    let vectors =
-        |at: usize| t.root_wrench.chunks_exact(6).map(move |w| Vec3::new(w[at], w[at + 1], w[at + 2]).norm());
-    let n = t.rows().max(1) as f64;
-    let squares: f64 = vectors(0).map(|f| f * f).sum();
-    let rms = (squares / n).sqrt();
+    let residual = residual(t, mass);
+    let n = residual.len().saturating_sub(1).max(1) as f64;
+    let rms = (residual.iter().map(|(f, _)| f.norm_squared()).sum::<f64>() / n).sqrt();
     RootReport {
         mode: root_name(t.root).into(),
-        residual_force_peak_n: vectors(0).fold(0.0, f64::max),
+        residual_force_peak_n: residual.iter().map(|(f, _)| f.norm()).fold(0.0, f64::max),
         residual_force_rms_n: rms,
-        residual_moment_peak_nm: vectors(3).fold(0.0, f64::max),
-        impulse_ns: vectors(0).sum::<f64>() / t.rate_hz,
+        residual_moment_peak_nm: residual.iter().map(|(_, m)| m.norm()).fold(0.0, f64::max),
+        impulse_ns: residual.iter().map(|(f, _)| f.norm()).sum::<f64>() / t.rate_hz,
         residual_force_rms_percent_bw: 100.0 * rms / (mass * t.gravity.norm()).max(1e-12),
     }
 }

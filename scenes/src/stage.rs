@@ -317,7 +317,7 @@ fn stage_clip(path: &Path, body: Option<&Path>, import: &ImportOptions) -> Resul
 }
 
 /// A body for a clip: from its zero pose, or where that does not stand, from its most upright frame.
-pub(crate) fn guess(clip: &Clip) -> Result<(Character, Option<BodyReport>), GuessError> {
+fn guess(clip: &Clip) -> Result<(Character, Option<BodyReport>), GuessError> {
     let options = BodyOptions::default();
     match guess_body(&clip.skeleton, &options) {
         Ok((c, r)) => Ok((c, Some(r))),

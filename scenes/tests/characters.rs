@@ -159,6 +159,14 @@ fn every_fault_is_named_at_its_place() {
 }
 
 #[test]
+fn absurd_counts_are_refused() {
+    let link = "Link(name: \"a\", joint: Free, class: Root),";
+    let text = format!("Character(name: \"many\", links: [{}])", link.repeat(100_000));
+    let e = parse(&Source::new("many.ron", text)).unwrap_err();
+    assert!(e.message.contains("100000 links; a character has at most 2000"), "{e}");
+}
+
+#[test]
 fn broken_files_are_refused() {
     assert!(read(Path::new("/nowhere/rod.ron")).unwrap_err().to_string().contains("cannot read the file"));
     for n in 0..SMALL.trim_end().len() {

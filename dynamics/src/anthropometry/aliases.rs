@@ -7,11 +7,14 @@
 //! `Hip/Knee/Ankle`.
 //!
 //! Names find the limbs and the head. Spine, neck and collar bones are found from the tree: rigs
-//! agree on where they are, not on what they are called.
+//! agree on where they are, not on what they are called. Limbs without known names are not guessed from
+//! the tree: lengths do not tell a collar bone from an upper arm (CMU: collar bone 0.21 m, upper arm
+//! 0.27 m, forearm 0.19 m), and a body hung on the wrong joint is worse than a refusal.
 
 use motion::Skeleton;
 use thiserror::Error;
 
+use super::names::{Word, read_name};
 use crate::JointClass;
 
 /// Which half of the body.
@@ -200,157 +203,6 @@ fn list(names: &[String]) -> String {
     let shown: Vec<_> = names.iter().take(12).map(|n| format!("`{n}`")).collect();
     let more = names.len().saturating_sub(12);
     if more > 0 { format!("{} and {more} more", shown.join(", ")) } else { shown.join(", ") }
-}
-
-/// What a name says by itself.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Word {
-    Pelvis,
-    Spine,
-    Neck,
-    Head,
-    Clavicle,
-    /// Collar bone where an arm is named too, upper arm elsewhere.
-    Shoulder,
-    UpperArm,
-    Forearm,
-    Hand,
-    Finger,
-    /// The root without a side, a thigh with one.
-    Hip,
-    Thigh,
-    Shin,
-    Foot,
-    Toe,
-    Helper,
-}
-
-/// Tokens that carry no meaning: namespaces, rig prefixes, suffixes.
-const JUNK: [&str; 19] = [
-    "mixamorig",
-    "bip",
-    "bip01",
-    "bip001",
-    "character",
-    "character1",
-    "cc",
-    "base",
-    "def",
-    "org",
-    "bn",
-    "bone",
-    "jnt",
-    "joint",
-    "skel",
-    "rig",
-    "robot",
-    "actor",
-    "j",
-];
-
-fn word(core: &str) -> Option<Word> {
-    let bare = core.trim_end_matches(|c: char| c.is_ascii_digit());
-    if core == "t4" {
-        return Some(Word::Clavicle); // Xsens: `RightT4`
-    }
-    Some(match bare {
-        "hips" | "pelvis" | "root" => Word::Pelvis,
-        "hip" => Word::Hip,
-        "spine" | "chest" | "upperchest" | "lowerback" | "upperback" | "back" | "abdomen" | "torso"
-        | "waist" | "thorax" | "sternum" | "lowerspine" | "upperspine" | "spinelower" | "spineupper" => {
-            Word::Spine
-        }
-        "neck" | "lowerneck" | "upperneck" | "necklower" | "neckupper" => Word::Neck,
-        "head" => Word::Head,
-        "collar" | "clavicle" | "collarbone" | "clav" | "scapula" => Word::Clavicle,
-        "shoulder" => Word::Shoulder,
-        "arm" | "upperarm" | "uparm" | "shldr" | "humerus" | "shldrbend" => Word::UpperArm,
-        "forearm" | "lowerarm" | "lowarm" | "elbow" | "radius" | "forearmbend" => Word::Forearm,
-        "hand" | "wrist" => Word::Hand,
-        "thigh" | "upleg" | "upperleg" | "femur" | "thighbend" => Word::Thigh,
-        "leg" | "shin" | "lowerleg" | "lowleg" | "calf" | "knee" | "shank" | "tibia" => Word::Shin,
-        "foot" | "ankle" => Word::Foot,
-        "toe" | "toebase" | "toes" | "ball" | "forefoot" | "metatarsals" => Word::Toe,
-        "hipjoint" | "buttock" => Word::Helper,
-        _ => {
-            let finger = ["finger", "thumb", "index", "middle", "mid", "ring", "pinky", "little", "carpal"];
-            if finger.iter().any(|f| bare.contains(f)) {
-                return Some(Word::Finger);
-            }
-            return None;
-        }
-    })
-}
-
-fn vertebra(name: &str) -> Option<Word> {
-    matches!(name, "l5" | "l4" | "l3" | "l1" | "t12" | "t10" | "t8" | "t1").then_some(Word::Spine)
-}
-
-/// Splits a name into lower-case tokens at separators and at changes from lower to upper case.
-fn tokens(name: &str) -> Vec<String> {
-    let name = name.rsplit([':', '|']).next().unwrap_or(name);
-    let chars: Vec<char> = name.chars().collect();
-    let mut out = vec![String::new()];
-    for (i, &c) in chars.iter().enumerate() {
-        if !c.is_alphanumeric() {
-            out.push(String::new());
-            continue;
-        }
-        let before = i.checked_sub(1).map(|j| chars[j]);
-        let after = chars.get(i + 1);
-        // "LeftArm" breaks before A; "LHipJoint" before H, since a lower-case letter follows it.
-        let breaks = c.is_uppercase()
-            && before.is_some_and(|b| {
-                b.is_lowercase()
-                    || b.is_numeric()
-                    || (b.is_uppercase() && after.is_some_and(|a| a.is_lowercase()))
-            });
-        if breaks {
-            out.push(String::new());
-        }
-        let token = out.len() - 1;
-        out[token].extend(c.to_lowercase());
-    }
-    out.retain(|t| !t.is_empty());
-    out
-}
-
-fn read_name(name: &str) -> (Option<Side>, Option<Word>) {
-    let mut parts = tokens(name);
-    if let Some(w) = vertebra(&parts.concat()) {
-        return (None, Some(w)); // "L5" is not a left 5
-    }
-    let side_of = |t: &str| match t {
-        "l" | "left" => Some(Side::Left),
-        "r" | "right" => Some(Side::Right),
-        _ => None,
-    };
-    let mut side = None;
-    if let Some(i) = parts.iter().position(|t| side_of(t).is_some()) {
-        side = side_of(&parts[i]);
-        parts.remove(i);
-    }
-    let lookup = |parts: &[String]| {
-        word(&parts.concat()).or_else(|| {
-            let kept: Vec<_> = parts.iter().filter(|t| !JUNK.contains(&t.as_str())).cloned().collect();
-            word(&kept.concat())
-        })
-    };
-    if let Some(w) = lookup(&parts) {
-        return (side, Some(w));
-    }
-    if side.is_none() {
-        // names without any capital or separator: "lhand", "rightupleg"
-        let all = parts.concat();
-        for (prefix, s) in
-            [("left", Side::Left), ("right", Side::Right), ("l", Side::Left), ("r", Side::Right)]
-        {
-            if let Some(w) = all.strip_prefix(prefix).and_then(word) {
-                return (Some(s), Some(w));
-            }
-        }
-    }
-    (side, None)
 }
 
 /// The roles of a human-like skeleton.
@@ -546,40 +398,127 @@ fn meet(skeleton: &Skeleton, a: usize, b: usize) -> usize {
 mod tests {
     use super::*;
 
-    #[test]
-    fn names_of_many_rigs_are_read() {
-        use Side::{Left as L, Right as R};
-        for (name, side, want) in [
-            ("LHipJoint", Some(L), Word::Helper),
-            ("LeftUpLeg", Some(L), Word::Thigh),
-            ("LeftToeBase", Some(L), Word::Toe),
-            ("LThumb", Some(L), Word::Finger),
-            ("LeftHandIndex1", Some(L), Word::Finger),
-            ("mixamorig:LeftArm", Some(L), Word::UpperArm),
-            ("mixamorig_RightForeArm", Some(R), Word::Forearm),
-            ("RightUpperLeg", Some(R), Word::Thigh),
-            ("RightT4", Some(R), Word::Clavicle),
-            ("L5", None, Word::Spine),
-            ("T12", None, Word::Spine),
-            ("rShldr", Some(R), Word::UpperArm),
-            ("lButtock", Some(L), Word::Helper),
-            ("upperarm_l", Some(L), Word::UpperArm),
-            ("calf_r", Some(R), Word::Shin),
-            ("Bip01 L Thigh", Some(L), Word::Thigh),
-            ("Bip001 R UpperArm", Some(R), Word::UpperArm),
-            ("lhand", Some(L), Word::Hand),
-            ("lowerback", None, Word::Spine),
-            ("LEFT_FOOT", Some(L), Word::Foot),
-            ("shin.R", Some(R), Word::Shin),
-            ("ball_l", Some(L), Word::Toe),
-            ("LowerBack", None, Word::Spine),
-            ("Neck1", None, Word::Neck),
-            ("elbow_r", Some(R), Word::Forearm),
-            ("hip_l", Some(L), Word::Hip),
-        ] {
-            assert_eq!(read_name(name), (side, Some(want)), "{name}");
+    /// A figure with the names of a rig: trunk from the pelvis to the head, then one side's collar bone, upper
+    /// arm, forearm, hand, thigh, shin, foot, toe with `?` for the side.
+    fn figure(trunk: &[&str], side: [&str; 8], sides: [&str; 2]) -> Skeleton {
+        use motion::{Joint, Link, Vec3};
+        let mut links = vec![Link::new(trunk[0], None, Vec3::zeros(), Joint::Free)];
+        let step = 0.75 / (trunk.len() - 1) as f64;
+        for (i, name) in trunk.iter().enumerate().skip(1) {
+            links.push(Link::new(*name, Some(i - 1), Vec3::y() * step, Joint::Spherical));
         }
-        assert_eq!(read_name("Prop").1, None);
-        assert_eq!(read_name("leftEye").1, None);
+        let chest = trunk.len() - 3;
+        for (k, letter) in sides.iter().enumerate() {
+            let x = if k == 0 { 1.0 } else { -1.0 };
+            let at = [
+                Vec3::new(0.03 * x, 0.1, 0.0),
+                Vec3::x() * (0.15 * x),
+                Vec3::x() * (0.28 * x),
+                Vec3::x() * (0.26 * x),
+                Vec3::x() * (0.09 * x),
+                Vec3::y() * -0.43,
+                Vec3::y() * -0.43,
+                Vec3::new(0.0, -0.05, 0.15),
+            ];
+            for (j, name) in side.iter().enumerate() {
+                let parent = match j {
+                    0 => chest,
+                    4 => 0,
+                    _ => links.len() - 1,
+                };
+                links.push(Link::new(name.replace('?', letter), Some(parent), at[j], Joint::Spherical));
+            }
+        }
+        Skeleton::new(links).unwrap()
+    }
+
+    /// Whole figures of the rigs in use get their roles and a body.
+    #[test]
+    fn rigs_get_a_body() {
+        let mixamo = ["Hips", "Spine", "Spine1", "Spine2", "Neck", "Head"].map(|n| format!("mixamorig:{n}"));
+        let mixamo: Vec<&str> = mixamo.iter().map(String::as_str).collect();
+        let rigs = [
+            figure(
+                &mixamo,
+                ["Shoulder", "Arm", "ForeArm", "Hand", "UpLeg", "Leg", "Foot", "ToeBase"]
+                    .map(|n| Box::leak(format!("mixamorig:?{n}").into_boxed_str()) as &str),
+                ["Left", "Right"],
+            ),
+            figure(
+                &["Pelvis", "L5", "L3", "T12", "T8", "Neck", "Head"],
+                ["?T4", "?UpperArm", "?ForeArm", "?Hand", "?UpperLeg", "?LowerLeg", "?Foot", "?Toe"],
+                ["Left", "Right"],
+            ),
+            figure(
+                &["pelvis", "spine_01", "spine_02", "spine_03", "neck_01", "head"],
+                ["clavicle_?", "upperarm_?", "lowerarm_?", "hand_?", "thigh_?", "calf_?", "foot_?", "ball_?"],
+                ["l", "r"],
+            ),
+            figure(
+                &["Bip01", "Bip01 Spine", "Bip01 Spine1", "Bip01 Neck", "Bip01 Head"],
+                [
+                    "Bip01 ? Clavicle",
+                    "Bip01 ? UpperArm",
+                    "Bip01 ? Forearm",
+                    "Bip01 ? Hand",
+                    "Bip01 ? Thigh",
+                    "Bip01 ? Calf",
+                    "Bip01 ? Foot",
+                    "Bip01 ? Toe0",
+                ],
+                ["L", "R"],
+            ),
+            figure(
+                &["Hips", "Chest", "Chest2", "Neck", "Head"],
+                ["?Collar", "?Shoulder", "?Elbow", "?Wrist", "?Hip", "?Knee", "?Ankle", "?Toe"],
+                ["Left", "Right"],
+            ),
+            figure(
+                &["hip", "abdomen", "chest", "neck", "head"],
+                ["?Collar", "?Shldr", "?ForeArm", "?Hand", "?Thigh", "?Shin", "?Foot", "?Toe"],
+                ["l", "r"],
+            ),
+        ];
+        for rig in &rigs {
+            let a = Anatomy::of(rig).unwrap_or_else(|e| panic!("{e}"));
+            let trunk = rig.links().len() - 16;
+            assert_eq!(a.roles[0], Role::Pelvis);
+            assert_eq!(
+                (a.spine.len(), a.neck.len(), a.head),
+                (trunk - 3, 1, trunk - 1),
+                "{}",
+                rig.links()[0].name
+            );
+            for (k, side) in Side::BOTH.into_iter().enumerate() {
+                let want = [
+                    Role::Clavicle(side),
+                    Role::UpperArm(side),
+                    Role::Forearm(side),
+                    Role::Hand(side),
+                    Role::Thigh(side),
+                    Role::Shin(side),
+                    Role::Foot(side),
+                    Role::Toe(side),
+                ];
+                assert_eq!(a.roles[trunk + 8 * k..trunk + 8 * (k + 1)], want);
+            }
+            let (_, report) = crate::guess_body(rig, &crate::BodyOptions::default()).unwrap();
+            assert!((1.4..2.0).contains(&report.stature), "{report}");
+        }
+    }
+
+    #[test]
+    fn what_is_missing_or_doubtful_is_named() {
+        let names = ["?Collar", "?Shoulder", "?Elbow", "?Wrist", "?Hip", "?Knee", "?Ankle", "?Toe"];
+        let trunk = ["Hips", "Chest", "Chest2", "Neck", "Head"];
+        let renamed = |from: &str, to: &str| {
+            let mut links = figure(&trunk, names, ["Left", "Right"]).links().to_vec();
+            links.iter_mut().filter(|l| l.name == from).for_each(|l| l.name = to.into());
+            Anatomy::of(&Skeleton::new(links).unwrap()).unwrap_err().to_string()
+        };
+        let e = renamed("LeftKnee", "Bend");
+        assert!(e.contains("found no joint for left shin;") && e.contains("`Bend`"), "{e}");
+        let e = renamed("RightKnee", "LeftShin");
+        assert!(e.contains("`LeftKnee` and `LeftShin` both look like the left shin"), "{e}");
     }
 }

@@ -167,36 +167,30 @@ fn bones(skeleton: &Skeleton, anatomy: &Anatomy, k: &Kinematics, stature: f64) -
     }
     for side in 0..2 {
         let hand = anatomy.arms[side][2];
-        let forearm = bone_along(k, anatomy.arms[side][1], hand);
-        let fingers = far_tip(skeleton, k, hand);
-        let along = k.world[hand].rotation
-            * fingers
-                .filter(|f| f.norm() > 0.02 * stature)
-                .unwrap_or(k.world[hand].rotation.inverse() * forearm);
+        let forearm = k.origin(hand) - k.origin(anatomy.arms[side][1]);
+        // the tip that is furthest along the forearm: not the thumb's
+        let ahead = k.world[hand].rotation.inverse() * forearm;
+        let fingers = far_tip(skeleton, k, hand, |p| p.dot(&ahead));
+        let along = k.world[hand].rotation * fingers.filter(|f| f.norm() > 0.02 * stature).unwrap_or(ahead);
         // [Win09] gives the hand 0.108 of the stature; only the direction is taken from the rig
         bone[hand] = k.world[hand].rotation.inverse() * along.normalize() * (0.108 * stature);
         let foot = anatomy.legs[side][2];
-        bone[foot] = far_tip(skeleton, k, foot).unwrap_or_default();
+        bone[foot] = far_tip(skeleton, k, foot, |p| p.norm()).unwrap_or_default();
     }
     let head = anatomy.head;
+    // Many rigs (CMU) end the head at the forehead: that is no crown.
     let crown = links[head]
         .end
         .map(|e| k.world[head].rotation * e)
-        .filter(|e| (0.04..0.2).contains(&(e.y / stature)));
-    bone[head] = k.world[head].rotation.inverse() * crown.unwrap_or(UP * (0.11 * stature));
+        .filter(|e| (0.085..0.2).contains(&(e.y / stature)));
+    bone[head] = k.world[head].rotation.inverse() * crown.unwrap_or(UP * (0.105 * stature));
     bone
 }
 
-fn bone_along(k: &Kinematics, from: usize, to: usize) -> Vec3 {
-    k.origin(to) - k.origin(from)
-}
-
-/// The point of the link and all it carries that is furthest from its joint, in its frame.
-fn far_tip(skeleton: &Skeleton, k: &Kinematics, link: usize) -> Option<Vec3> {
-    carried_points(skeleton, k, link)
-        .into_iter()
-        .max_by(|a, b| a.norm().total_cmp(&b.norm()))
-        .filter(|p| p.norm() > 0.0)
+/// The point of the link and all it carries that is furthest by a measure, in the link's frame.
+fn far_tip(skeleton: &Skeleton, k: &Kinematics, link: usize, by: impl Fn(&Vec3) -> f64) -> Option<Vec3> {
+    let points = carried_points(skeleton, k, link);
+    points.into_iter().max_by(|a, b| by(a).total_cmp(&by(b))).filter(|p| p.norm() > 0.0)
 }
 
 /// Joints and ends of everything a link carries, in its frame.

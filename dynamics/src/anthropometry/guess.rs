@@ -22,7 +22,7 @@ use nalgebra::Matrix3;
 use thiserror::Error;
 
 use super::aliases::{Anatomy, AnatomyError, Role, Side};
-use super::frame::{Neutral, UP, carried_points};
+use super::frame::{Neutral, UP};
 use super::limits::joint_limits;
 use super::segments::{Segment, Sex, Table};
 use super::shapes::{self, Sole};
@@ -194,9 +194,11 @@ impl<'a> Builder<'a> {
         mass: Option<f64>,
     ) -> Self {
         let crown = n.origin[anatomy.head] + n.bone_in_world(anatomy.head);
-        let soles = [0, 1].map(|side| sole(s, anatomy, n, table, side));
+        let soles = [0, 1].map(|side| Sole::of_foot(s, n, anatomy.legs[side][2]));
         let ground = 0.5 * (soles[0].under_ankle.y + soles[1].under_ankle.y);
         let stature = crown.y - ground;
+        let foot = table.foot.length / table.stature * stature.min(n.leg_stature);
+        let soles = soles.map(|sole| sole.with_length(foot));
         let empty = Body { mass: 0.0, com: Vec3::zeros(), inertia: Matrix3::zeros(), shapes: Vec::new() };
         Self {
             source: s,
@@ -487,33 +489,4 @@ impl<'a> Builder<'a> {
 
 fn outer(v: &Vec3) -> Matrix3<f64> {
     v * v.transpose()
-}
-
-/// Flesh between the deepest joint or end of a rig's foot and its sole, in statures suggested by the legs.
-pub const FLESH_UNDER_FOOT: f64 = 0.007;
-
-/// Where the sole of a foot is in the neutral pose.
-///
-/// Its depth below the ankle is the deepest point of the rig's foot with [`FLESH_UNDER_FOOT`]
-/// below, but at least 0.039 statures, the ankle height of [Win09, Fig. 4.1]. Length at most 0.152
-/// statures, heel at most 0.039 behind the ankle.
-///
-/// [Win09] D. A. Winter. Biomechanics and motor control of human movement, 4th ed., 2009.
-fn sole(s: &Skeleton, anatomy: &Anatomy, n: &Neutral, table: &Table, side: usize) -> Sole {
-    let [_, _, foot] = anatomy.legs[side];
-    let h = n.leg_stature;
-    let zero = motion::Kinematics::new(s, &s.zero_pose());
-    let points: Vec<Vec3> = carried_points(s, &zero, foot).iter().map(|p| n.rotation[foot] * p).collect();
-    let deepest = points.iter().map(|p| -p.y).fold(0.0, f64::max);
-    let reach = points.iter().map(|p| p.dot(&n.front)).fold(0.0, f64::max);
-    let depth = (deepest + FLESH_UNDER_FOOT * h).clamp(0.039 * h, 0.075 * h);
-    let length = (table.foot.length / table.stature * h).min(0.152 * h);
-    let front = if reach > 0.0 { reach.clamp(0.09 * h, 0.115 * h) } else { 0.75 * length };
-    Sole {
-        under_ankle: n.origin[foot] - UP * depth,
-        front,
-        back: (length - front).clamp(0.02 * h, 0.039 * h),
-        width: 0.055 * h,
-        height: 0.8 * depth,
-    }
 }

@@ -7,15 +7,17 @@
 //! on height 0 when the pelvis is at [`PELVIS_HEIGHT`]; all zero frames parallel to the world. Links
 //! are named after their joints. Elbows and knees are hinges; positive angles bend them.
 //!
-//! Lengths in statures are those of [DC66] as drawn in [Win09, Fig. 4.1] unless said otherwise.
+//! Lengths in statures are those of \[DC66\] as drawn in \[Win09, Fig. 4.1\] unless said otherwise.
 //!
-//! [DC66] R. Drillis, R. Contini. Body segment parameters. NYU Tech. Rep. 1166.03, 1966.
-//! [Win09] D. A. Winter. Biomechanics and motor control of human movement, 4th ed., Wiley, 2009.
+//! \[DC66\] R. Drillis, R. Contini. Body segment parameters. NYU Tech. Rep. 1166.03, 1966.
+//! \[deL96\] P. de Leva, see [`segments`](super::segments).
+//! \[Win09\] D. A. Winter. Biomechanics and motor control of human movement, 4th ed., Wiley, 2009.
 
 use motion::{Joint, Link, Skeleton, Vec3};
 
-use super::guess::{BodyOptions, BodyReport, FLESH_UNDER_FOOT, guess_body};
+use super::guess::{BodyOptions, BodyReport, guess_body};
 use super::segments::MALE;
+use super::shapes::FLESH_UNDER_FOOT;
 use crate::Character;
 
 /// Stature, m.
@@ -27,12 +29,12 @@ pub const PELVIS_HEIGHT: f64 = 0.9275;
 
 /// Link, parent, offset from the parent's joint (left, up, front; mm), joint; the left side of pairs.
 ///
-/// Heights above the ground, [Win09]: ankle 0.039 (68), knee 0.285 (499), hip 0.530 (928), shoulder
-/// 0.818 (1432), chin 0.870 (1523). Widths: shoulders 0.259/2 at the outline, so ±0.113 at the joint
-/// centres; hips 0.191 at the outline, ±0.050 at the joint centres (±87, as [deL96]'s subjects). Arm:
-/// 0.186 (326 with the shoulder outline, 290 between joint centres by [deL96] 281.7/1741), forearm
-/// 0.146 (256; [deL96] 270), hand 0.108. The trunk bends at L5/S1 (104 above the hips) and T12/L1
-/// (another 180), the neck at C7/T1 and the skull's base.
+/// Heights above the ground in statures [Win09]: ankle 0.039 (68 mm), knee 0.285 (499), hip 0.530 (928),
+/// shoulder 0.818 (1432), crown 1. Upper arm and forearm, between joint centres, are those of \[deL96\]
+/// (281.7 and 268.9 of 1741 mm: 283 and 270); the hand is 0.108 statures \[Win09\]. Chosen here, as no
+/// table has them: joint centres of the shoulders at ±185 mm, 4 cm inside the outline (0.129
+/// statures), and of the hips at ±87; the trunk bends at L5/S1, 104 above the hips, and T12/L1, another
+/// 180; the neck at C7/T1, 530 above the hips, and the base of the skull, another 96.
 const LINKS: [(&str, &str, [f64; 3], Kind); 12] = [
     ("pelvis", "", [0.0, 0.0, 0.0], Kind::Free),
     ("abdomen", "pelvis", [0.0, 104.0, -8.0], Kind::Ball),
@@ -42,7 +44,7 @@ const LINKS: [(&str, &str, [f64; 3], Kind); 12] = [
     ("clavicle", "chest", [22.0, 216.0, 8.0], Kind::Ball),
     ("shoulder", "clavicle", [163.0, 4.0, -12.0], Kind::Ball),
     ("elbow", "shoulder", [283.0, 0.0, 0.0], Kind::Elbow),
-    ("wrist", "elbow", [262.0, 0.0, 0.0], Kind::Ball),
+    ("wrist", "elbow", [270.0, 0.0, 0.0], Kind::Ball),
     ("hip", "pelvis", [87.0, 0.0, 0.0], Kind::Ball),
     ("knee", "hip", [0.0, -429.0, 0.0], Kind::Knee),
     ("ankle", "knee", [0.0, -430.25, 0.0], Kind::Ball),

@@ -2,8 +2,8 @@
 //!
 //! In: roles and the neutral pose. Out: [`motion::Limits`] relative to the file's zero pose.
 //!
-//! The published ranges are means of healthy people moving slowly: [BA79] (109 men and boys, active,
-//! goniometer) for the limbs, [AAOS] for the spine, [Inm44] for the collar bone. Dancers, acrobats and
+//! The published ranges are means of healthy people moving slowly: \[BA79\] (109 men and boys, active,
+//! goniometer) for the limbs, \[AAOS\] for the spine, \[Inm44\] for the collar bone. Dancers, acrobats and
 //! marker noise exceed them, so each has an *allowance* which is added at both ends; for the limits
 //! shape what the body is asked to do, and clamping a real motion is worse than allowing a bit much.
 //!
@@ -12,13 +12,14 @@
 //! Ranges are stated for the left side as swing about two axes and twist about the bone
 //! ([`motion::BallLimits`]) from a *centre*: the neutral pose, or for shoulders the arm straight
 //! sideways, palm down. The right side is the mirror image: coordinates about `left` stay, those about
-//! `up`, `front` and the bone change sign. A skeleton whose zero pose is the centre gets the ranges as
+//! `up`, `front` and the bone change sign. The axes are right-handed: where they would not be, the
+//! second one is turned round with its range. A skeleton whose zero pose is the centre gets the ranges as
 //! they stand; any other gets the smallest box that holds them about its own zero.
 //!
-//! [BA79] D. C. Boone, S. P. Azen. Normal range of motion of joints in male subjects. J. Bone Joint
+//! \[BA79\] D. C. Boone, S. P. Azen. Normal range of motion of joints in male subjects. J. Bone Joint
 //! Surg. 61-A, 756–759, 1979.
-//! [AAOS] American Academy of Orthopaedic Surgeons. Joint motion: method of measuring and recording. 1965.
-//! [Inm44] V. T. Inman, J. B. Saunders, L. C. Abbott. Observations on the function of the shoulder
+//! \[AAOS\] American Academy of Orthopaedic Surgeons. Joint motion: method of measuring and recording. 1965.
+//! \[Inm44\] V. T. Inman, J. B. Saunders, L. C. Abbott. Observations on the function of the shoulder
 //! joint. J. Bone Joint Surg. 26, 1–30, 1944.
 
 use std::f64::consts::PI;
@@ -44,8 +45,9 @@ const fn rom(lo: f64, hi: f64, allowance: f64) -> Rom {
 
 impl Rom {
     fn widened(self, n: f64) -> [f64; 2] {
-        // A column of n joints shares its range. Real spines do not share it evenly: a quarter more.
-        let share = if n > 1.0 { 1.25 / n } else { 1.0 };
+        // A column of n joints shares its range, but not evenly: rigs let one joint do most of the work
+        // (CMU's lower back bends 67° in 127_31) or bend against the next (its two neck joints).
+        let share = if n > 1.0 { (1.25 / n).max(0.7) } else { 1.0 };
         [(self.published[0] - self.allowance) * share, (self.published[1] + self.allowance) * share]
     }
 }
@@ -76,7 +78,7 @@ enum Bone {
     Front,
 }
 
-/// Hinge flexion of elbow and knee, degrees: [BA79] 142.9 and 142.5, with an allowance.
+/// Hinge flexion of elbow and knee, degrees: \[BA79\] 142.9 and 142.5, with an allowance.
 pub const HINGE_DEG: [f64; 2] = [0.0, 150.0];
 
 fn ball(role: Role) -> Option<Ball> {
@@ -92,7 +94,7 @@ fn ball(role: Role) -> Option<Ball> {
         Role::Neck | Role::Head => Ball {
             bone: Bone::Own,
             axes: [Left, Front],
-            ranges: [rom(-45.0, 45.0, 30.0), rom(-45.0, 45.0, 20.0), rom(-60.0, 60.0, 25.0)],
+            ranges: [rom(-45.0, 45.0, 35.0), rom(-45.0, 45.0, 20.0), rom(-60.0, 60.0, 25.0)],
         },
         // [Inm44]: protraction −, retraction + about up; elevation + about front; rotation about the bone
         Role::Clavicle(_) => Ball {
@@ -107,24 +109,26 @@ fn ball(role: Role) -> Option<Ball> {
             axes: [Up, Front],
             ranges: [rom(-140.7, 45.4, 35.0), rom(-90.0, 94.0, 45.0), rom(-103.7, 68.8, 50.0)],
         },
-        // flexion 142.9 (−) about left; supination 82.1 (−) and pronation 75.8 about the bone
+        // flexion 142.9 (−) about left; supination 82.1 (−) and pronation 75.8 about the bone. A rig's elbow
+        // axis is turned about the upper arm by what its zero pose happened to be (CMU: 30°), so that
+        // flexion shows about front too
         Role::Forearm(_) => Ball {
             bone: Bone::Own,
             axes: [Left, Front],
-            ranges: [rom(-142.9, 0.6, 20.0), rom(0.0, 0.0, 40.0), rom(-82.1, 75.8, 30.0)],
+            ranges: [rom(-142.9, 0.6, 20.0), rom(0.0, 0.0, 85.0), rom(-82.1, 75.8, 30.0)],
         },
         // radial 21.5 (−) and ulnar 36.0 deviation about left; flexion 76.4 (−), extension 74.9 about front
         Role::Hand(_) => Ball {
             bone: Bone::Own,
             axes: [Left, Front],
-            ranges: [rom(-21.5, 36.0, 20.0), rom(-76.4, 74.9, 20.0), rom(-82.1, 75.8, 40.0)],
+            ranges: [rom(-21.5, 36.0, 20.0), rom(-76.4, 74.9, 20.0), rom(-82.1, 75.8, 65.0)],
         },
         // flexion 122.3 (−), extension 9.8 about left; adduction 26.9 (−), abduction 45.9 about front;
         // external (−) 47.2, internal 47.3 rotation
         Role::Thigh(_) => Ball {
             bone: Bone::Own,
             axes: [Left, Front],
-            ranges: [rom(-122.3, 9.8, 35.0), rom(-26.9, 45.9, 30.0), rom(-47.2, 47.3, 30.0)],
+            ranges: [rom(-122.3, 9.8, 35.0), rom(-26.9, 45.9, 45.0), rom(-47.2, 47.3, 30.0)],
         },
         // flexion 142.5 (+); a rig's knee axis is never quite the anatomical one
         Role::Shin(_) => Ball {
@@ -136,7 +140,7 @@ fn ball(role: Role) -> Option<Ball> {
         Role::Foot(_) => Ball {
             bone: Bone::Front,
             axes: [Left, Up],
-            ranges: [rom(-12.6, 56.2, 30.0), rom(-10.0, 10.0, 30.0), rom(-36.8, 20.7, 20.0)],
+            ranges: [rom(-12.6, 56.2, 40.0), rom(-10.0, 10.0, 50.0), rom(-36.8, 20.7, 20.0)],
         },
         Role::Pelvis | Role::Finger(_) | Role::Toe(_) | Role::Helper | Role::Other => return None,
     })
@@ -197,7 +201,7 @@ fn ball_limits(skeleton: &Skeleton, anatomy: &Anatomy, neutral: &Neutral, link: 
         Role::Neck | Role::Head => anatomy.neck.len() as f64 + 1.0,
         _ => 1.0,
     };
-    let ranges: [[f64; 2]; 3] = std::array::from_fn(|k| {
+    let mut ranges: [[f64; 2]; 3] = std::array::from_fn(|k| {
         let r = kind.ranges[k].widened(shared).map(f64::to_radians);
         let flips = mirror && (k == 2 || kind.axes[k] != Axis::Left);
         if flips { [-r[1], -r[0]] } else { r }
@@ -224,7 +228,12 @@ fn ball_limits(skeleton: &Skeleton, anatomy: &Anatomy, neutral: &Neutral, link: 
     let a0 = world(kind.axes[0]);
     let a0 = (a0 - bone * a0.dot(&bone)).normalize();
     let a1 = world(kind.axes[1]);
-    let a1 = (a1 - bone * a1.dot(&bone) - a0 * a1.dot(&a0)).normalize();
+    let mut a1 = (a1 - bone * a1.dot(&bone) - a0 * a1.dot(&a0)).normalize();
+    // Right-handed, so that the axes are also the columns of a rotation.
+    if a0.cross(&a1).dot(&bone) < 0.0 {
+        a1 = -a1;
+        ranges[1] = [-ranges[1][1], -ranges[1][0]];
+    }
 
     let to_zero = zero_in_neutral(skeleton, neutral, link).inverse();
     let q_center = to_zero * center;
@@ -241,32 +250,135 @@ const BOUND: f64 = 179.0 * PI / 180.0;
 /// The limits `r` allows for `q · center⁻¹`, as a box of coordinates of `q`.
 ///
 /// The axes are carried back by the centre, so that the bone stays the bone. Exact for a centre that
-/// is the identity, else the smallest box that holds a grid of 11³ allowed rotations.
+/// is the identity, else the smallest box that holds the allowed rotations of a polar grid:
+/// swings from within an ellipse in each quadrant, since no joint takes both swings to their ends.
 fn about_zero(r: &BallLimits, center: &Quat) -> BallLimits {
     let mut out = BallLimits { axes: r.axes.map(|a| center.inverse() * a), ranges: r.ranges };
     if log(center).norm() < 1e-9 {
         return out;
     }
-    const N: i32 = 10;
+    const TURNS: i32 = 48;
+    const RINGS: i32 = 8;
     let mut lo = Vec3::repeat(f64::INFINITY);
     let mut hi = -lo;
-    let at = |range: &Range, i: i32| range.lo + (range.hi - range.lo) * f64::from(i) / f64::from(N);
-    for i in 0..=N {
-        for j in 0..=N {
-            let (x, y) = (at(&r.ranges[0], i), at(&r.ranges[1], j));
-            if x.hypot(y) > BOUND {
-                continue; // beyond half a turn: another corner names the same rotation
-            }
-            for k in 0..=N {
-                let q = r.rotation(&Vec3::new(x, y, at(&r.ranges[2], k))) * center;
-                let phi = out.coords(&q);
+    let scaled = |r: &Range, x: f64| if x > 0.0 { x * r.hi } else { -x * r.lo };
+    for turn in 0..TURNS {
+        let (sin, cos) = (2.0 * PI * f64::from(turn) / f64::from(TURNS)).sin_cos();
+        for ring in 0..=RINGS {
+            let radius = f64::from(ring) / f64::from(RINGS);
+            let (x, y) = (scaled(&r.ranges[0], radius * cos), scaled(&r.ranges[1], radius * sin));
+            for twist in [r.ranges[2].lo, 0.5 * (r.ranges[2].lo + r.ranges[2].hi), r.ranges[2].hi] {
+                let phi = out.coords(&(r.rotation(&Vec3::new(x, y, twist)) * center));
                 lo = lo.inf(&phi);
                 hi = hi.sup(&phi);
             }
         }
     }
     for k in 0..3 {
-        out.ranges[k] = Range::new(lo[k].max(-BOUND), hi[k].min(BOUND));
+        // A range that crosses half a turn has no ends: that coordinate is free.
+        let wraps = lo[k] < -BOUND || hi[k] > BOUND;
+        out.ranges[k] = if wraps { Range::new(-PI, PI) } else { Range::new(lo[k], hi[k]) };
     }
     out
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::anthropometry::human::human;
+
+    fn turns() -> impl Iterator<Item = Quat> {
+        (0..4000).map(|i| {
+            let f = f64::from(i);
+            let axis = Vec3::new((f * 1.37).sin(), (f * 0.71).cos(), (f * 2.13).sin());
+            exp(&(axis.normalize() * (f * 0.618).fract() * 3.1))
+        })
+    }
+
+    /// Right is the mirror image of left: a rotation is allowed on one side exactly if its mirror image is
+    /// on the other.
+    #[test]
+    fn sides_are_mirror_images() {
+        let (c, _) = human();
+        for name in ["clavicle", "shoulder", "wrist", "hip", "ankle"] {
+            let of = |side: &str| match c.skeleton.links()
+                [c.skeleton.link(&format!("{name}_{side}")).unwrap()]
+            .limits
+            {
+                Some(Limits::Ball(b)) => b,
+                _ => panic!("{name}"),
+            };
+            let (left, right) = (of("l"), of("r"));
+            let (mut inside, mut outside) = (0, 0);
+            for q in turns() {
+                // reflection in x = 0 keeps the x of an axial vector and turns y and z round
+                let m = Quat::new_unchecked(nalgebra::Quaternion::new(q.w, q.i, -q.j, -q.k));
+                let allowed = left.clamp(&q) == q;
+                assert_eq!(allowed, right.clamp(&m) == m, "{name} {q:?}");
+                *(if allowed { &mut inside } else { &mut outside }) += 1;
+            }
+            assert!(inside > 20 && outside > 100, "{name}: {inside} {outside}");
+        }
+    }
+
+    /// Named movements of the figure, degrees about world axes from the zero pose: the published range is
+    /// allowed, well beyond it is not.
+    #[test]
+    fn published_movements_are_allowed() {
+        let (c, _) = human();
+        let (x, y, z) = (Vec3::x(), Vec3::y(), Vec3::z());
+        for (joint, axis, allowed, forbidden) in [
+            ("hip_l", -x, 122.3, 170.0), // flexion
+            ("hip_l", x, 9.8, 60.0),     // extension
+            ("hip_l", z, 45.9, 110.0),   // abduction
+            ("hip_r", -z, 45.9, 110.0),
+            ("ankle_l", x, 56.2, 110.0),      // plantar flexion
+            ("ankle_l", -x, 12.6, 60.0),      // dorsiflexion
+            ("ankle_l", -z, 36.8, 70.0),      // inversion
+            ("shoulder_l", -y, 140.7, 178.0), // horizontal flexion
+            ("shoulder_r", y, 140.7, 178.0),
+            ("shoulder_l", z, 84.0, 150.0),   // abduction beyond sideways
+            ("shoulder_l", -z, 90.0, 150.0),  // hanging
+            ("shoulder_l", x, 68.8, 150.0),   // internal rotation
+            ("shoulder_l", -x, 103.7, 170.0), // external rotation
+            ("wrist_l", -z, 76.4, 120.0),     // flexion
+            ("head", y, 59.0, 100.0),         // turning
+            ("chest", x, 60.0, 100.0),        // bending forward
+        ] {
+            let i = c.skeleton.link(joint).unwrap();
+            let Some(Limits::Ball(b)) = c.skeleton.links()[i].limits else { panic!("{joint}") };
+            let passes = |deg: f64| {
+                let q = exp(&(axis * deg.to_radians()));
+                b.clamp(&q) == q
+            };
+            assert!(passes(allowed), "{joint} {axis:?} {allowed}");
+            assert!(!passes(forbidden), "{joint} {axis:?} {forbidden}");
+        }
+    }
+
+    /// About another zero, every rotation the limits allow is still allowed.
+    #[test]
+    fn moving_the_zero_forbids_nothing() {
+        let limits = BallLimits {
+            axes: [Vec3::x(), Vec3::z(), -Vec3::y()],
+            ranges: [Range::new(-2.1, 0.7), Range::new(-0.9, 1.2), Range::new(-0.8, 0.8)],
+        };
+        for center in [Vec3::z() * 0.35, Vec3::new(0.3, 0.5, -0.4), Vec3::x() * -1.2] {
+            let center = exp(&center);
+            let moved = about_zero(&limits, &center);
+            for i in 0..500 {
+                let f = f64::from(i);
+                // inside the ellipse of swings, twist anywhere
+                let (r, a) = ((f * 0.618).fract().sqrt() * 0.98, f * 2.4);
+                let pick = |r: &Range, u: f64| if u > 0.0 { u * r.hi } else { -u * r.lo };
+                let phi = Vec3::new(
+                    pick(&limits.ranges[0], r * a.cos()),
+                    pick(&limits.ranges[1], r * a.sin()),
+                    pick(&limits.ranges[2], (f * 0.37).fract() * 1.96 - 0.98),
+                );
+                let q = limits.rotation(&phi) * center;
+                assert!(moved.clamp(&q).angle_to(&q) < 1e-6, "{phi:?} about {center:?}");
+            }
+        }
+    }
 }

@@ -7,11 +7,13 @@
 //! | module | holds |
 //! |---|---|
 //! | [`aliases`] | joint names of common rigs → anatomical roles |
+//! | `names` | what a name says by itself |
 //! | [`frame`] | the anatomical neutral pose of a skeleton |
-//! | [`segments`] | segment masses, centres and radii of gyration [deL96] |
-//! | [`limits`] | ranges of motion [BA79, AAOS] in the coordinates of a skeleton |
+//! | [`segments`] | segment masses, centres and radii of gyration \[deL96\] |
+//! | [`limits`] | ranges of motion \[BA79, AAOS\] in the coordinates of a skeleton |
 //! | [`shapes`] | capsules and boxes that look like a body |
 //! | [`guess`] | all of them together |
+//! | [`standing`] | a standing pose for rigs whose zero pose is none |
 //! | [`human`] | the standard figure of the project |
 
 pub mod aliases;
@@ -19,9 +21,12 @@ pub mod frame;
 pub mod guess;
 pub mod human;
 pub mod limits;
+mod names;
 pub mod segments;
 pub mod shapes;
+pub mod standing;
 
 pub use aliases::{Anatomy, AnatomyError, Role, Side};
 pub use guess::{BodyOptions, BodyReport, GuessError, guess_body};
 pub use segments::Sex;
+pub use standing::{guess_body_of_clip, standing_frame};

@@ -1,11 +1,11 @@
 //! Segment masses, centres of mass and radii of gyration of men and women.
 //!
-//! Numbers are those of Table 4 of [deL96], which moves the gamma-ray measurements of Zatsiorsky and
+//! Numbers are those of Table 4 of \[deL96\], which moves the gamma-ray measurements of Zatsiorsky and
 //! Seluyanov on 100 young men and 15 young women to joint centres. In: a sex. Out: fractions of body
 //! mass and of segment length. Trunk: three stacked parts, from which the mass of any horizontal
 //! slab follows ([`Trunk`]), however many spine joints a rig has.
 //!
-//! [deL96] P. de Leva. Adjustments to Zatsiorsky–Seluyanov's segment inertia parameters.
+//! \[deL96\] P. de Leva. Adjustments to Zatsiorsky–Seluyanov's segment inertia parameters.
 //! J. Biomechanics 29(9), 1223–1230, 1996.
 
 /// Which column of the table.
@@ -18,7 +18,7 @@ pub enum Sex {
     Male,
 }
 
-/// A row of [deL96], Table 4.
+/// A row of \[deL96\], Table 4.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Segment {
     /// Part of the body's mass, 1.
@@ -69,7 +69,7 @@ pub struct Table {
     pub foot: Segment,
 }
 
-/// [deL96], Table 4, men.
+/// \[deL96\], Table 4, men.
 pub const MALE: Table = Table {
     stature: 1.741,
     head: row(6.94, 203.3, 59.76, [36.2, 37.6, 31.2]),
@@ -84,7 +84,7 @@ pub const MALE: Table = Table {
     foot: row(1.37, 258.1, 44.15, [25.7, 24.5, 12.4]),
 };
 
-/// [deL96], Table 4, women.
+/// \[deL96\], Table 4, women.
 pub const FEMALE: Table = Table {
     stature: 1.735,
     head: row(6.68, 200.2, 58.94, [33.0, 35.9, 31.8]),
@@ -156,7 +156,7 @@ impl TrunkPart {
     }
 }
 
-/// The trunk as three stacked parts of [deL96]; see [`Table::trunk`].
+/// The trunk as three stacked parts of \[deL96\]; see [`Table::trunk`].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Trunk {
     parts: [TrunkPart; 3],

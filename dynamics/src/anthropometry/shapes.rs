@@ -4,10 +4,10 @@
 //! so that the figure looks like an average man: they are for the eye and for rough collisions. Mass
 //! and inertia come from [`segments`](super::segments) and do not depend on them.
 
-use motion::{Shape, Vec3};
+use motion::{Kinematics, Shape, Skeleton, Vec3};
 
 use super::aliases::Side;
-use super::frame::{Neutral, UP};
+use super::frame::{Neutral, UP, carried_points};
 
 /// Radii in statures.
 mod radius {
@@ -26,10 +26,10 @@ mod radius {
 const TRUNK: [(f64, f64, f64); 6] = [
     (-0.12, 0.085, 0.052),
     (0.06, 0.099, 0.060),
-    (0.42, 0.080, 0.053),
-    (0.70, 0.092, 0.064),
-    (0.88, 0.098, 0.062),
-    (1.02, 0.070, 0.040),
+    (0.42, 0.079, 0.053),
+    (0.70, 0.096, 0.064),
+    (0.88, 0.101, 0.061),
+    (1.02, 0.072, 0.040),
 ];
 
 /// Half width and half depth of the trunk at height `s`, statures.
@@ -54,7 +54,7 @@ pub fn trunk_slab(
     at: impl Fn(f64) -> Vec3,
 ) -> Vec<Shape> {
     let height = (at(hi) - at(lo)).norm();
-    let count = (height / (0.055 * stature)).round().max(1.0);
+    let count = (height / (0.035 * stature)).round().max(1.0);
     (0..count as usize)
         .map(|i| {
             let s = lo + (hi - lo) * (i as f64 + 0.5) / count;
@@ -133,7 +133,42 @@ pub struct Sole {
     pub height: f64,
 }
 
+/// Flesh between the deepest joint or end of a rig's foot and its sole, in statures suggested by the legs.
+pub const FLESH_UNDER_FOOT: f64 = 0.007;
+
 impl Sole {
+    /// The sole of a foot in the neutral pose.
+    ///
+    /// Its depth below the ankle is the deepest point of the rig's foot with [`FLESH_UNDER_FOOT`] below, but
+    /// at least 0.039 statures, the ankle height of \[Win09, Fig. 4.1\]; the toes end where the rig's do, if
+    /// that is 0.09 to 0.115 statures ahead of the ankle.
+    ///
+    /// \[Win09\] D. A. Winter. Biomechanics and motor control of human movement, 4th ed., 2009.
+    pub fn of_foot(s: &Skeleton, n: &Neutral, foot: usize) -> Self {
+        let h = n.leg_stature;
+        // toes are welded as they are in the zero pose
+        let zero = Kinematics::new(s, &s.zero_pose());
+        let points: Vec<Vec3> = carried_points(s, &zero, foot).iter().map(|p| n.rotation[foot] * p).collect();
+        let deepest = points.iter().map(|p| -p.y).fold(0.0, f64::max);
+        let reach = points.iter().map(|p| p.dot(&n.front)).fold(0.0, f64::max);
+        let depth = (deepest + FLESH_UNDER_FOOT * h).clamp(0.039 * h, 0.075 * h);
+        Self {
+            under_ankle: n.origin[foot] - UP * depth,
+            front: if reach > 0.0 { reach.clamp(0.09 * h, 0.115 * h) } else { 0.11 * h },
+            back: 0.0,
+            width: 0.055 * h,
+            height: 0.8 * depth,
+        }
+    }
+
+    /// The same sole with its heel where it makes the foot `length` long (m), or a little nearer: at most
+    /// 0.35 of the length is behind the ankle, and at least 0.15.
+    pub fn with_length(mut self, length: f64) -> Self {
+        self.front = self.front.min(0.85 * length);
+        self.back = (length - self.front).min(0.35 * length);
+        self
+    }
+
     /// The box in the frame of `link`.
     pub fn shape(&self, n: &Neutral, link: usize) -> Shape {
         let center = n.offset(&self.under_ankle, 0.0, 0.5 * self.height, 0.5 * (self.front - self.back));

@@ -1,156 +1,21 @@
-//! Characters as RON.
-//!
-//! In: a `.ron` file in metres, kilograms and degrees. Out: a checked [`Character`], or a
-//! [`SceneError`] at the very value that is wrong. [`write()`] is the inverse, to the digits written.
-//!
-//! Links may stand in any order and name their parents; inertia is `(xx, yy, zz, xy, xz, yz)` about
-//! the centre of mass along the link's axes; rotations are Euler angles `(x, y, z)`, see
-//! [`angle`](crate::angle).
+//! Reading: names to indices, degrees to radians, and the place of every fault.
 
 use std::collections::{BTreeMap, HashSet};
-use std::fmt::Write as _;
 use std::path::Path;
 use std::sync::Arc;
 
-use dynamics::{Body, Character, JointClass};
+use dynamics::{Body, Character};
 use motion::{
     BallLimits, Joint, Limb, LimbKind, Limits, Link, Range, Shape, Site, Skeleton, Transform, Vec3,
 };
 use nalgebra::{Matrix3, Translation3};
-use serde::Deserialize;
 
-use crate::angle::{Angle, deg_from_quat, quat_from_deg};
+use super::schema::{CharacterRon, JointRon, KindRon, LimitsRon, ShapeRon, V3, class};
+use crate::angle::{Angle, quat_from_deg};
 use crate::error::{SceneError, Source};
 
-type V3 = (f64, f64, f64);
-
-#[derive(Deserialize)]
-#[serde(deny_unknown_fields, rename = "Character")]
-struct CharacterRon {
-    name: String,
-    links: Vec<LinkRon>,
-    #[serde(default)]
-    sites: Vec<SiteRon>,
-    #[serde(default)]
-    contacts: Vec<String>,
-    #[serde(default)]
-    limbs: Vec<LimbRon>,
-    #[serde(default)]
-    parts: BTreeMap<String, Vec<String>>,
-    #[serde(default)]
-    rest: RestRon,
-}
-
-#[derive(Deserialize)]
-#[serde(deny_unknown_fields, rename = "Link")]
-struct LinkRon {
-    name: String,
-    parent: Option<String>,
-    #[serde(default)]
-    offset_m: V3,
-    #[serde(default)]
-    rotation_deg: V3,
-    joint: JointRon,
-    limits_deg: Option<LimitsRon>,
-    limits_m: Option<(f64, f64)>,
-    class: ClassRon,
-    #[serde(default)]
-    mass_kg: f64,
-    #[serde(default)]
-    com_m: V3,
-    #[serde(default)]
-    inertia_kg_m2: (f64, f64, f64, f64, f64, f64),
-    #[serde(default)]
-    shapes: Vec<ShapeRon>,
-    end_m: Option<V3>,
-}
-
-#[derive(Clone, Copy, Deserialize)]
-#[serde(rename = "joint")]
-enum JointRon {
-    Free,
-    Ball,
-    Hinge(f64, f64, f64),
-    Slide(f64, f64, f64),
-    Fixed,
-}
-
-#[derive(Deserialize)]
-#[serde(deny_unknown_fields, rename = "limits")]
-enum LimitsRon {
-    Hinge(f64, f64),
-    Ball { axes: (V3, V3, V3), swing_1: (f64, f64), swing_2: (f64, f64), twist: (f64, f64) },
-}
-
-#[derive(Clone, Copy, Deserialize)]
-#[serde(rename = "class")]
-enum ClassRon {
-    Root,
-    Spine,
-    Neck,
-    Clavicle,
-    Shoulder,
-    Elbow,
-    Wrist,
-    Hip,
-    Knee,
-    Ankle,
-    Other,
-}
-
-#[derive(Clone, Copy, Deserialize)]
-#[serde(deny_unknown_fields, rename = "shape")]
-enum ShapeRon {
-    Capsule {
-        a_m: V3,
-        b_m: V3,
-        radius_m: f64,
-    },
-    Box {
-        center_m: V3,
-        half_m: V3,
-        #[serde(default)]
-        rotation_deg: V3,
-    },
-    Sphere {
-        center_m: V3,
-        radius_m: f64,
-    },
-}
-
-#[derive(Deserialize)]
-#[serde(deny_unknown_fields, rename = "Site")]
-struct SiteRon {
-    name: String,
-    link: String,
-    at_m: V3,
-}
-
-#[derive(Clone, Copy, Deserialize)]
-#[serde(rename = "limb kind")]
-enum KindRon {
-    Arm,
-    Leg,
-}
-
-#[derive(Deserialize)]
-#[serde(deny_unknown_fields, rename = "Limb")]
-struct LimbRon {
-    name: String,
-    kind: KindRon,
-    upper: String,
-    lower: String,
-    end: String,
-}
-
-#[derive(Default, Deserialize)]
-#[serde(deny_unknown_fields, rename = "Rest")]
-struct RestRon {
-    #[serde(default)]
-    root_m: V3,
-    #[serde(default)]
-    joints_deg: BTreeMap<String, Angle>,
-}
+/// More links than any character has; a longer list is a mistake and would only cost time.
+const MOST_LINKS: usize = 2000;
 
 /// Reads a character.
 ///
@@ -280,6 +145,10 @@ impl Reader<'_> {
         let (s, links) = (self.source, &self.ron.links);
         if links.is_empty() {
             return Err(s.error("links", "a character needs at least one link"));
+        }
+        if links.len() > MOST_LINKS {
+            let e = format!("{} links; a character has at most {MOST_LINKS}", links.len());
+            return Err(s.error("links", e));
         }
         let mut roots = Vec::new();
         for (i, link) in links.iter().enumerate() {
@@ -559,183 +428,4 @@ impl Reader<'_> {
         let at = i.map_or("links".to_string(), |i| format!("links[{i}].{field}"));
         self.source.error(&at, e.to_string())
     }
-}
-
-fn class(c: ClassRon) -> JointClass {
-    match c {
-        ClassRon::Root => JointClass::Root,
-        ClassRon::Spine => JointClass::Spine,
-        ClassRon::Neck => JointClass::Neck,
-        ClassRon::Clavicle => JointClass::Clavicle,
-        ClassRon::Shoulder => JointClass::Shoulder,
-        ClassRon::Elbow => JointClass::Elbow,
-        ClassRon::Wrist => JointClass::Wrist,
-        ClassRon::Hip => JointClass::Hip,
-        ClassRon::Knee => JointClass::Knee,
-        ClassRon::Ankle => JointClass::Ankle,
-        ClassRon::Other => JointClass::Other,
-    }
-}
-
-/// A number with at most `digits` decimals, without trailing zeros.
-fn num(x: f64, digits: usize) -> String {
-    let s = format!("{x:.digits$}");
-    let s = if s.contains('.') { s.trim_end_matches('0').trim_end_matches('.') } else { &s };
-    if s == "-0" { "0".into() } else { s.into() }
-}
-
-fn list(v: &[f64], digits: usize) -> String {
-    let v: Vec<_> = v.iter().map(|&x| num(x, digits)).collect();
-    format!("({})", v.join(", "))
-}
-
-/// The character as RON: metres to 1 µm, angles to 1e-6°, masses to 1 mg, inertias to 1e-8 kg·m².
-///
-/// `comment` lines go to the top, each behind `//`.
-pub fn write(c: &Character, comment: &str) -> String {
-    // Writing into a String cannot fail.
-    let mut out = String::new();
-    let links = c.skeleton.links();
-    for line in comment.lines() {
-        let _ = writeln!(out, "{}", format!("// {line}").trim_end());
-    }
-    let _ = writeln!(out, "Character(\n    name: {:?},\n    links: [", c.name);
-    for (i, link) in links.iter().enumerate() {
-        write_link(&mut out, c, i, link);
-    }
-    out += "    ],\n    sites: [\n";
-    for s in c.skeleton.sites() {
-        let at = list(s.at.as_slice(), 6);
-        let _ =
-            writeln!(out, "        Site(name: {:?}, link: {:?}, at_m: {at}),", s.name, links[s.link].name);
-    }
-    let names: Vec<_> =
-        c.contacts.iter().map(|&i| format!("        {:?},\n", c.skeleton.sites()[i].name)).collect();
-    let _ = writeln!(
-        out,
-        "    ],\n    // Points that may touch the ground.\n    contacts: [\n{}    ],\n    limbs: [",
-        names.concat()
-    );
-    for l in c.skeleton.limbs() {
-        let [upper, lower, end] = [l.upper, l.lower, l.end].map(|i| &links[i].name);
-        let _ = writeln!(
-            out,
-            "        Limb(name: {:?}, kind: {:?}, upper: {upper:?}, lower: {lower:?}, end: {end:?}),",
-            l.name, l.kind
-        );
-    }
-    out += "    ],\n    // Sets of links; each limb is one of its own name.\n    parts: {\n";
-    for (name, members) in c.skeleton.parts() {
-        if c.skeleton.limb(name).is_none() {
-            let members: Vec<_> = members.iter().map(|&i| format!("{:?}", links[i].name)).collect();
-            let _ = writeln!(out, "        {name:?}: [{}],", members.join(", "));
-        }
-    }
-    out += "    },\n    // Standing at ease.\n    rest: (\n";
-    if links[0].joint == Joint::Free {
-        let _ = writeln!(out, "        root_m: {},", list(c.skeleton.position(&c.rest, 0).as_slice(), 9));
-    }
-    out += "        joints_deg: {\n";
-    for (i, link) in links.iter().enumerate() {
-        let at = c.skeleton.q_at(i);
-        let value = match link.joint {
-            Joint::Free | Joint::Spherical => list(&deg_from_quat(&c.skeleton.rotation(&c.rest, i)), 6),
-            Joint::Revolute(_) => num(c.rest[at].to_degrees(), 6),
-            Joint::Prismatic(_) => num(c.rest[at], 6),
-            Joint::Fixed => continue,
-        };
-        if value != "(0, 0, 0)" && value != "0" {
-            let _ = writeln!(out, "            {:?}: {value},", link.name);
-        }
-    }
-    out += "        },\n    ),\n)\n";
-    out
-}
-
-fn write_link(out: &mut String, c: &Character, i: usize, link: &Link) {
-    let (links, body) = (c.skeleton.links(), &c.bodies[i]);
-    let mut line = |text: String| *out += &format!("            {text},\n");
-    let mut head = format!("name: {:?}", link.name);
-    if let Some(p) = link.parent {
-        head += &format!(", parent: {:?}", links[p].name);
-    }
-    let axis = |name: &str, a: Vec3| format!("{name}{}", list(a.as_slice(), 9));
-    let joint = match link.joint {
-        Joint::Free => "Free".into(),
-        Joint::Spherical => "Ball".into(),
-        Joint::Revolute(a) => axis("Hinge", a),
-        Joint::Prismatic(a) => axis("Slide", a),
-        Joint::Fixed => "Fixed".into(),
-    };
-    line(format!("{head}, joint: {joint}, class: {:?}", c.classes[i]));
-    let t = &link.parent_from_zero;
-    line(format!("offset_m: {}", list(t.translation.vector.as_slice(), 6)));
-    let turn = list(&deg_from_quat(&t.rotation), 6);
-    if turn != "(0, 0, 0)" {
-        line(format!("rotation_deg: {turn}"));
-    }
-    let deg = |r: &Range| list(&[r.lo.to_degrees(), r.hi.to_degrees()], 6);
-    match &link.limits {
-        Some(Limits::Axis(r)) if matches!(link.joint, Joint::Prismatic(_)) => {
-            line(format!("limits_m: {}", list(&[r.lo, r.hi], 6)));
-        }
-        Some(Limits::Axis(r)) => line(format!("limits_deg: Hinge{}", deg(r))),
-        Some(Limits::Ball(b)) => {
-            let axes = b.axes.map(|a| list(a.as_slice(), 9)).join(", ");
-            let [x, y, z] = [0, 1, 2].map(|k| deg(&b.ranges[k]));
-            line(format!("limits_deg: Ball(axes: ({axes}), swing_1: {x}, swing_2: {y}, twist: {z})"));
-        }
-        None => {}
-    }
-    if body.mass > 0.0 {
-        line(format!("mass_kg: {}, com_m: {}", num(body.mass, 6), list(body.com.as_slice(), 6)));
-        let m = &body.inertia;
-        let six = [m[(0, 0)], m[(1, 1)], m[(2, 2)], m[(0, 1)], m[(0, 2)], m[(1, 2)]];
-        line(format!("inertia_kg_m2: {}", list(&six, 8)));
-    }
-    if !body.shapes.is_empty() {
-        let shapes: Vec<_> =
-            body.shapes.iter().map(|s| format!("                {},\n", shape_text(s))).collect();
-        line(format!("shapes: [\n{}            ]", shapes.concat()));
-    }
-    if let Some(e) = link.end {
-        line(format!("end_m: {}", list(e.as_slice(), 6)));
-    }
-    let start = out.rfind("            name: ").unwrap_or(0);
-    out.insert_str(start, "        Link(\n");
-    *out += "        ),\n";
-}
-
-fn shape_text(shape: &Shape) -> String {
-    let p = |v: &Vec3| list(v.as_slice(), 6);
-    match shape {
-        Shape::Capsule { a, b, radius } => {
-            format!("Capsule(a_m: {}, b_m: {}, radius_m: {})", p(a), p(b), num(*radius, 6))
-        }
-        Shape::Box { center, half, rotation } => {
-            let turn = list(&deg_from_quat(rotation), 6);
-            let turn = if turn == "(0, 0, 0)" { String::new() } else { format!(", rotation_deg: {turn}") };
-            format!("Box(center_m: {}, half_m: {}{turn})", p(center), p(half))
-        }
-        Shape::Sphere { center, radius } => {
-            format!("Sphere(center_m: {}, radius_m: {})", p(center), num(*radius, 6))
-        }
-    }
-}
-
-/// The text of `characters/human.ron`.
-pub fn human_text() -> String {
-    let (character, _) = dynamics::anthropometry::human::human();
-    let comment = "\
-The standard figure: 1.75 m, 75 kg, 19 links, 52 degrees of freedom.
-
-Zero pose: upright, facing +Z, arms straight out sideways, palms down, soles flat on height 0 when
-the pelvis is at 0.9275 m; every zero frame is parallel to the world (+X is the figure's left, +Y up).
-A link is named after its joint. Positive degrees bend elbows and knees.
-Masses, centres and inertias: de Leva 1996, Table 4 (men). Lengths: Drillis & Contini 1966. Limits:
-Boone & Azen 1979, AAOS 1965, Inman 1944, widened for dance; swing about two axes, twist about the bone.
-
-Made by: cargo run --release -p scenes --example make_human
-The rules are in dynamics/src/anthropometry: change them there, not here.";
-    write(&character, comment)
 }
