@@ -1,1 +1,48 @@
-fn main() {}
+//! The `contrapposto` command: doors, no logic.
+//!
+//! In: a command line. Out: files, a summary on standard output, one block on standard error when
+//! something is wrong; exit code 0, 1 (the run failed) or 2 (the input is bad).
+//!
+//! | module | holds |
+//! |---|---|
+//! | [`args`] | the command line |
+//! | [`render`] | scene or clip to a folder of results |
+//! | [`summary`] | what `render` says at the end |
+//! | [`figures`] | which figures a run gets |
+//! | [`inspect`] | what is in a file |
+//! | [`convert`] | one format to another |
+//! | [`output`] | all files or none |
+//! | [`progress`] | the bar |
+//! | [`failure`] | exit codes |
+
+mod args;
+mod convert;
+mod failure;
+mod figures;
+mod inspect;
+mod output;
+mod progress;
+mod render;
+mod summary;
+
+use std::process::ExitCode;
+
+use clap::Parser;
+
+use crate::args::{Cli, Command};
+
+fn main() -> ExitCode {
+    let done = match Cli::parse().command {
+        Command::Render(args) => render::run(&args),
+        Command::Inspect(args) => inspect::run(&args),
+        Command::Convert(args) => convert::run(&args),
+    };
+    match done {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(failure) => {
+            // nobody may be listening any more
+            let _ = std::io::Write::write_fmt(&mut std::io::stderr(), format_args!("error: {failure}\n"));
+            failure.code()
+        }
+    }
+}

@@ -80,6 +80,13 @@ impl Source {
         &self.path
     }
 
+    /// The first word that is no comment or attribute, such as `Scene`.
+    pub fn first_word(&self) -> Option<&str> {
+        let mut lines = self.text.lines().map(str::trim_start);
+        let line = lines.find(|l| !l.is_empty() && !l.starts_with("//") && !l.starts_with('#'))?;
+        line.split(|c: char| !c.is_alphanumeric() && c != '_').next()
+    }
+
     /// Parses the text; `Some(…)` may be left out around optional values.
     ///
     /// # Errors
@@ -90,9 +97,24 @@ impl Source {
         options.from_str(&self.text).map_err(|e| SceneError {
             path: self.path.clone(),
             place: Some((e.span.start.line, e.span.start.col)),
-            message: e.code.to_string(),
+            message: self.with_found(e.code.to_string(), e.span.start.line, e.span.start.col),
             help: None,
         })
+    }
+
+    /// RON says what it expected; this adds what stands there.
+    fn with_found(&self, message: String, line: usize, column: usize) -> String {
+        if !message.starts_with("Expected") && message != "Integer is out of bounds" {
+            return message;
+        }
+        let rest = self.text.lines().nth(line.saturating_sub(1)).unwrap_or_default();
+        let rest: String = rest.chars().skip(column.saturating_sub(1)).take(40).collect();
+        let rest = rest.trim_start();
+        let end = rest.find([',', ')', ']', '}']).filter(|&i| i > 0).unwrap_or(rest.len());
+        match rest[..end].trim_end() {
+            "" => format!("{message}; found the end of the line or file"),
+            found => format!("{message}; found `{found}`"),
+        }
     }
 
     /// An error at the value with this path, see [`SourceMap`].

@@ -9,6 +9,8 @@
 //! | [`scene`] | a scene file, checked |
 //! | [`schema`] | its words |
 //! | [`stage`] | a scene or a clip, ready to be performed |
+//! | [`inspect`] | what is in a file |
+//! | [`overrides`] | numbers of the dynamic pass given beside the file |
 //! | [`report`] | the numbers of a run |
 //! | [`character_file`] | characters as RON |
 //! | [`angle`] | joint values in degrees |
@@ -18,6 +20,8 @@
 pub mod angle;
 pub mod character_file;
 pub mod error;
+pub mod inspect;
+pub mod overrides;
 pub mod report;
 pub mod scene;
 pub mod schema;
@@ -26,6 +30,8 @@ pub mod stage;
 
 pub use angle::Angle;
 pub use error::{SceneError, Source};
+pub use overrides::Overrides;
 pub use report::Report;
 pub use scene::Scene;
-pub use stage::{Stage, StageError, open};
+pub use sim::Outcome;
+pub use stage::{Stage, StageError, open, open_with};

@@ -30,13 +30,6 @@ pub struct Report {
     /// The motion performed; absent after `--kinematic`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub dynamic: Option<DynamicReport>,
-    /// Feet of the motion performed, or of the motion asked for after `--kinematic`.
-    pub feet: FeetReport,
-    /// Contact forces.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub contact: Option<ContactReport>,
-    /// Joints too slack for what they had to hold.
-    pub sagging: Vec<SaggingReport>,
     /// Edits that wrote the same field of the same element.
     pub edit_conflicts: usize,
     /// Files written, by what they hold; paths relative to the report.
@@ -113,13 +106,21 @@ pub struct DynamicReport {
     pub worst_joints: Vec<JointReport>,
     /// RMS distance of the links' origins to the motion asked for, mm.
     pub position_rms_mm: f64,
-    /// Largest ω₀ dt/2 that implicit integration adds to a damping ratio of 0.5.
+    /// Damping ratio every joint is given.
+    pub damping_ratio: f64,
+    /// Largest ω₀ dt/2 that implicit integration adds to it.
     pub added_damping_ratio: f64,
     /// Least distance of the centre of mass inside the support, mm (negative outside); absent when
     /// nothing stands.
     pub support_margin_mm_min: Option<f64>,
     /// What held the root.
     pub root: RootReport,
+    /// Foot numbers.
+    pub feet: FeetReport,
+    /// Contact forces; all zero without ground.
+    pub contact: ContactReport,
+    /// Joints too slack for what they had to hold.
+    pub sagging: Vec<SaggingReport>,
 }
 
 /// One joint.
@@ -188,10 +189,8 @@ impl Report {
     /// Numbers of a stage and its outcome.
     pub fn new(stage: &Stage, outcome: Option<&Outcome>) -> Self {
         let c = &stage.character;
-        let asked = feet(stage, &stage.kinematic);
         let plain_jerk = metrics::jerk_rms(&stage.unedited);
         let jerk = metrics::jerk_rms(&stage.kinematic);
-        let performed = outcome.map(|o| o.trace.clip());
         Self {
             scene: stage.name.clone(),
             frames: stage.kinematic.frames(),
@@ -204,27 +203,12 @@ impl Report {
                 mass_kg: c.mass(),
             },
             kinematic: KinematicReport {
-                feet: asked.into(),
+                feet: feet(stage, &stage.kinematic).into(),
                 jerk_rms_m_s3: jerk,
                 jerk_ratio: if plain_jerk > 0.0 { jerk / plain_jerk } else { 1.0 },
                 clamped_frames: stage.clamped,
             },
-            dynamic: outcome.zip(performed.as_ref()).map(|(o, clip)| dynamic(stage, o, clip)),
-            feet: performed.as_ref().map_or(asked, |clip| feet(stage, clip)).into(),
-            contact: outcome.filter(|o| o.trace.ground_m.is_some()).map(|o| contact(&o.trace)),
-            sagging: outcome.map_or_else(Vec::new, |o| {
-                o.sagging
-                    .iter()
-                    .filter(|s| stage.tracks.is_some() || s.lasts_s >= BRIEF)
-                    .map(|s| SaggingReport {
-                        joint: c.skeleton.links()[s.link].name.clone(),
-                        time_s: s.time_s,
-                        lasts_s: s.lasts_s,
-                        tension_nm_rad: s.tension,
-                        least_nm_rad: s.least,
-                    })
-                    .collect()
-            }),
+            dynamic: outcome.map(|o| dynamic(stage, o)),
             edit_conflicts: stage.log.conflicts().len(),
             files: std::collections::BTreeMap::new(),
         }
@@ -244,9 +228,10 @@ fn feet(stage: &Stage, clip: &Clip) -> FeetMetrics {
     metrics::feet(clip, &sites, stage.physics.ground.map_or(0.0, |g| g.height_m))
 }
 
-fn dynamic(stage: &Stage, o: &Outcome, clip: &Clip) -> DynamicReport {
+fn dynamic(stage: &Stage, o: &Outcome) -> DynamicReport {
     let t = &o.trace;
     let c = &stage.character;
+    let clip = &t.clip();
     let target = t.target_clip();
     let errors = metrics::joint_errors(clip, &target);
     let counted: Vec<&JointError> =
@@ -273,10 +258,27 @@ fn dynamic(stage: &Stage, o: &Outcome, clip: &Clip) -> DynamicReport {
             })
             .collect(),
         position_rms_mm: metrics::position_rms_mm(clip, &target),
+        damping_ratio: controllers::tension::DAMPING_RATIO,
         added_damping_ratio: o.added_damping.0,
         support_margin_mm_min: support_margin(t),
         root: root(t, c.mass()),
+        feet: feet(stage, clip).into(),
+        contact: contact(t),
+        sagging: sagging(stage, o),
     }
+}
+
+fn sagging(stage: &Stage, o: &Outcome) -> Vec<SaggingReport> {
+    let links = stage.character.skeleton.links();
+    let told = o.sagging.iter().filter(|s| stage.tracks.is_some() || s.lasts_s >= BRIEF);
+    told.map(|s| SaggingReport {
+        joint: links[s.link].name.clone(),
+        time_s: s.time_s,
+        lasts_s: s.lasts_s,
+        tension_nm_rad: s.tension,
+        least_nm_rad: s.least,
+    })
+    .collect()
 }
 
 /// Least margin of the centre of mass in the hull of the loaded contact points, mm.
@@ -293,6 +295,15 @@ fn support_margin(t: &Trace) -> Option<f64> {
         least = Some(least.map_or(margin, |m| m.min(margin)));
     }
     least.filter(|m| m.is_finite())
+}
+
+/// `free`, `assisted` or `pinned`.
+pub(crate) fn root_name(mode: RootMode) -> &'static str {
+    match mode {
+        RootMode::Free => "free",
+        RootMode::Assisted { .. } => "assisted",
+        RootMode::Pinned => "pinned",
+    }
 }
 
 /// What neither gravity nor contacts explain: force and moment about the root's origin per row, from
@@ -321,13 +332,8 @@ fn root(t: &Trace, mass: f64) -> RootReport {
     let residual = residual(t, mass);
     let n = residual.len().saturating_sub(1).max(1) as f64;
     let rms = (residual.iter().map(|(f, _)| f.norm_squared()).sum::<f64>() / n).sqrt();
-    let mode = match t.root {
-        RootMode::Free => "free",
-        RootMode::Assisted { .. } => "assisted",
-        RootMode::Pinned => "pinned",
-    };
     RootReport {
-        mode: mode.into(),
+        mode: root_name(t.root).into(),
         residual_force_peak_n: residual.iter().map(|(f, _)| f.norm()).fold(0.0, f64::max),
         residual_force_rms_n: rms,
         residual_moment_peak_nm: residual.iter().map(|(_, m)| m.norm()).fold(0.0, f64::max),

@@ -18,6 +18,7 @@ use motion::{Curve, Dof, Joint, LimbKind, Value, Vec3};
 use sim::{Ground, Push};
 
 use crate::angle::quat_from_deg;
+use crate::overrides::{RATES, SUBSTEPS, TENSIONS};
 use crate::schema::*;
 use crate::{Angle, SceneError, Source, character_file};
 
@@ -75,9 +76,6 @@ pub struct Scene {
     /// How film strips are drawn.
     pub strip: StripRon,
 }
-
-/// Rates a simulation may run at, Hz.
-const RATES: (f64, f64) = (30.0, 20_000.0);
 
 /// Reads a scene and its character.
 ///
@@ -137,7 +135,8 @@ impl Check<'_> {
             return Ok(x);
         }
         let name = at.rsplit('.').next().unwrap_or(at);
-        Err(self.source.error(at, format!("{name} is {x} {unit}; allowed: {lo} to {hi} {unit}")))
+        let unit = if unit.is_empty() { String::new() } else { format!(" {unit}") };
+        Err(self.source.error(at, format!("{name} is {x}{unit}; allowed: {lo} to {hi}{unit}")))
     }
 
     fn vec3(&self, at: &str, v: (f64, f64, f64)) -> Result<Vec3, SceneError> {
@@ -150,12 +149,13 @@ impl Check<'_> {
 
     fn physics(&self, ron: &SceneRon) -> Result<Physics, SceneError> {
         let p = &ron.physics;
-        let rate_hz = self.within("physics.rate_hz", p.rate_hz, RATES.0, RATES.1, "Hz")?;
-        if p.substeps.is_some_and(|n| n == 0 || n > 64) {
+        let rate_hz = self.within("physics.rate_hz", p.rate_hz, *RATES.start(), *RATES.end(), "Hz")?;
+        if p.substeps.is_some_and(|n| !SUBSTEPS.contains(&n)) {
             let found = p.substeps.unwrap_or(0);
             return Err(self.source.error("physics.substeps", format!("{found} substeps; allowed: 1 to 64")));
         }
-        let tension = self.within("physics.tension", p.tension, 1e-3, 1e3, "(1 = natural)")?;
+        let tension =
+            self.within("physics.tension", p.tension, *TENSIONS.start(), *TENSIONS.end(), "(1 = natural)")?;
         let ground = match ron.world.ground {
             GroundRon::None => None,
             GroundRon::Plane { friction, height_m } => Some(Ground {

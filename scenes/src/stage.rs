@@ -20,9 +20,10 @@ use edits::EditLog;
 use motion::format::bvh::{self, BvhFileError, ImportOptions, ImportReport};
 use motion::plant::{Plant, plant};
 use motion::support::ground;
-use motion::{Clip, Kinematics, Tracks, Vec3};
+use motion::{Clip, Kinematics, Shape, Tracks, Vec3};
 use sim::{Ground, Pass, PassError, Push};
 
+use crate::overrides::Overrides;
 use crate::scene::{self, Physics, Scene};
 use crate::schema::StripRon;
 use crate::{SceneError, character_file};
@@ -38,7 +39,7 @@ pub enum StageError {
     Bvh(#[from] BvhFileError),
     /// No body for a clip.
     #[error(
-        "{path}: {source}\n  help: give a body with --body FILE.ron; `contrapposto inspect` writes one to start from"
+        "{path}: {source}\n  help: give a body with --body FILE.ron; `contrapposto inspect CLIP --write-body FILE.ron` writes one of any skeleton it understands"
     )]
     Body {
         /// The clip.
@@ -62,9 +63,30 @@ pub enum StageError {
         /// Frames found.
         frames: usize,
     },
+    /// A clip too long to perform.
+    #[error("{path}: {text}", text = too_long(*duration_s, *rate_hz))]
+    Long {
+        /// The clip.
+        path: String,
+        /// Its length, s.
+        duration_s: f64,
+        /// Frames or control steps per second, whichever are more.
+        rate_hz: f64,
+    },
     /// Something else than a scene or clip.
     #[error("{0}: neither a scene (.ron) nor a clip (.bvh)")]
     Kind(String),
+}
+
+/// The most frames or control steps of a motion: half an hour at 240 Hz makes a trace of some gigabytes.
+pub const MOST_STEPS: f64 = 5e5;
+
+fn too_long(duration_s: f64, rate_hz: f64) -> String {
+    let shown = if duration_s < 1e7 { format!("{duration_s:.1}") } else { format!("{duration_s:e}") };
+    let most = MOST_STEPS / rate_hz;
+    format!(
+        "the motion lasts {shown} s; at {rate_hz} Hz (frames or control steps) allowed: up to {most:.0} s"
+    )
 }
 
 /// What a clip came with.
@@ -116,10 +138,37 @@ pub struct Stage {
 /// # Errors
 /// [`StageError`]: anything wrong with the files.
 pub fn open(path: &Path, body: Option<&Path>, import: &ImportOptions) -> Result<Stage, StageError> {
+    open_with(path, body, import, &Overrides::default())
+}
+
+/// [`open`] with numbers of the dynamic pass other than the file's. They must be known this early: a
+/// pinned root is not moved to balance the feet.
+///
+/// # Errors
+/// As [`open`].
+pub fn open_with(
+    path: &Path,
+    body: Option<&Path>,
+    import: &ImportOptions,
+    overrides: &Overrides,
+) -> Result<Stage, StageError> {
     let kind = path.extension().map(|e| e.to_string_lossy().to_lowercase());
     match kind.as_deref() {
-        Some("ron") => Ok(stage_scene(scene::read(path)?)?),
-        Some("bvh") => stage_clip(path, body, import),
+        Some("ron") => {
+            let mut scene = scene::read(path)?;
+            overrides.apply(&mut scene.physics, scene.character.mass());
+            Ok(stage_scene(scene)?)
+        }
+        Some("bvh") => {
+            let mut stage = stage_clip(path, body, import)?;
+            overrides.apply(&mut stage.physics, stage.character.mass());
+            let duration_s = stage.kinematic.duration_s();
+            let rate_hz = stage.kinematic.rate_hz.max(stage.physics.rate_hz);
+            if duration_s * rate_hz > MOST_STEPS {
+                return Err(StageError::Long { path: path.display().to_string(), duration_s, rate_hz });
+            }
+            Ok(stage)
+        }
         _ => Err(StageError::Kind(path.display().to_string())),
     }
 }
@@ -154,6 +203,10 @@ pub fn edited_tracks(scene: &Scene) -> Result<(Tracks, Tracks, EditLog), SceneEr
 pub fn stage_scene(scene: Scene) -> Result<Stage, SceneError> {
     let (mut plain, mut tracks, log) = edited_tracks(&scene)?;
     let end = tracks.duration_s.max(plain.duration_s) + scene.settle_s;
+    let rate_hz = scene.rate_hz.max(scene.physics.rate_hz);
+    if end * rate_hz > MOST_STEPS {
+        return Err(scene.source.error("script", too_long(end, rate_hz)));
+    }
     tracks.duration_s = end;
     plain.duration_s = end;
     let character = scene.character.clone();
@@ -346,17 +399,33 @@ impl Stage {
         self.pass().run(progress)
     }
 
-    /// A clip of the character at the frame rate, as it is written to files: with all joints of the
-    /// clip it came from.
-    pub fn for_files(&self, clip: &Clip) -> Clip {
-        let clip = if clip.rate_hz == self.kinematic.rate_hz {
+    /// A clip of the character at the frame rate.
+    pub fn at_frames(&self, clip: &Clip) -> Clip {
+        if clip.rate_hz == self.kinematic.rate_hz {
             clip.clone()
         } else {
             clip.resample(self.kinematic.rate_hz)
-        };
+        }
+    }
+
+    /// A clip of the character at the frame rate, as it is written to files: with all joints of the
+    /// clip it came from.
+    pub fn for_files(&self, clip: &Clip) -> Clip {
+        let clip = self.at_frames(clip);
         match &self.clip {
             Some(source) => source.map.clip_to_source(&clip, &source.clip),
             None => clip,
         }
+    }
+
+    /// Unit of length of the BVH files written, m: that of the clip read, else the centimetre.
+    pub fn metres_per_unit(&self) -> f64 {
+        self.clip.as_ref().map_or(0.01, |source| source.import.units.metres_per_unit)
+    }
+
+    /// The body's solids, each with its link.
+    pub fn solids(&self) -> Vec<(usize, Shape)> {
+        let links = self.character.bodies.iter().enumerate();
+        links.flat_map(|(link, body)| body.shapes.iter().map(move |shape| (link, *shape))).collect()
     }
 }

@@ -119,6 +119,15 @@ impl Reader<'_> {
             .and_then(|x| x.with_parts(parts))
             .map_err(|e| whole(&e))?;
         let rest = self.rest(&skeleton)?;
+        let root = &skeleton.links()[0];
+        if root.joint == Joint::Free && root.parent_from_zero != Transform::identity() {
+            let e = format!(
+                "`{}` is a free root: its zero frame is the world's, without offset or rotation",
+                root.name
+            );
+            let help = "place it with root_m and joints_deg in `rest`";
+            return Err(s.error(&format!("links[{}]", order[0]), e).with_help(help));
+        }
         Character {
             name: self.ron.name.clone(),
             skeleton: Arc::new(skeleton),

@@ -1,0 +1,242 @@
+//! The command line: words, ranges, help.
+
+use std::path::PathBuf;
+
+use clap::{Args, Parser, Subcommand, ValueEnum};
+use motion::format::bvh::{Axis, ImportOptions};
+use scenes::overrides::{Overrides, RATES, RootChoice, SUBSTEPS, TENSIONS};
+
+/// Motion performed by a body with mass, muscles and contacts.
+#[derive(Debug, Parser)]
+#[command(name = "contrapposto", version, after_help = EXAMPLES, arg_required_else_help = true)]
+pub struct Cli {
+    /// What to do.
+    #[command(subcommand)]
+    pub command: Command,
+}
+
+const EXAMPLES: &str = "\
+Examples:
+  contrapposto render scenes/bow.ron          write out/bow/: clips, trace, report, plots
+  contrapposto render walk.bvh --root pinned  a body is made for the clip's skeleton
+  contrapposto inspect scenes/bow.ron         what is in a scene, and what its edits did
+  contrapposto convert walk.bvh walk.glb      change the format only
+
+Exit codes: 0 done (also when the body fell), 1 the run failed, 2 something is wrong with the input.";
+
+/// What to do.
+#[derive(Debug, Subcommand)]
+pub enum Command {
+    /// Perform a scene or a clip and write clips, trace, report and plots
+    Render(RenderArgs),
+    /// Say what is in a scene, a character or a clip
+    Inspect(InspectArgs),
+    /// Write a clip, or the kinematic motion of a scene, in another format
+    Convert(ConvertArgs),
+}
+
+/// What is known about a BVH file; what is not said is guessed and printed.
+#[derive(Clone, Debug, Default, Args)]
+pub struct ClipArgs {
+    /// Metres in one unit of the BVH file (0.01 for centimetres); guessed if not given
+    #[arg(long, value_name = "METRES_PER_UNIT", value_parser = length, allow_negative_numbers = true)]
+    pub units: Option<f64>,
+    /// Vertical axis of the BVH file; guessed if not given
+    #[arg(long, value_enum)]
+    pub up: Option<Up>,
+    /// Leave out a first frame that is an inserted T-pose
+    #[arg(long)]
+    pub drop_t_pose: bool,
+}
+
+/// A vertical axis.
+#[derive(Clone, Copy, Debug, ValueEnum)]
+pub enum Up {
+    /// Y up, as Contrapposto has it.
+    Y,
+    /// Z up; the clip is turned.
+    Z,
+}
+
+impl ClipArgs {
+    /// The same as the importer takes it.
+    pub fn import(&self) -> ImportOptions {
+        ImportOptions {
+            metres_per_unit: self.units,
+            up: self.up.map(|up| match up {
+                Up::Y => Axis::Y,
+                Up::Z => Axis::Z,
+            }),
+            drop_t_pose: self.drop_t_pose,
+        }
+    }
+
+    /// The first of these options that was given.
+    pub fn given(&self) -> Option<&'static str> {
+        let given = [
+            ("--units", self.units.is_some()),
+            ("--up", self.up.is_some()),
+            ("--drop-t-pose", self.drop_t_pose),
+        ];
+        given.into_iter().find(|(_, is)| *is).map(|(name, _)| name)
+    }
+}
+
+/// Arguments of `render`.
+#[derive(Debug, Args)]
+#[command(after_help = RENDER_EXAMPLES)]
+pub struct RenderArgs {
+    /// Scene (.ron) or motion-capture clip (.bvh)
+    #[arg(value_name = "SCENE.ron|CLIP.bvh")]
+    pub input: PathBuf,
+    /// Folder to write into; earlier output there is replaced when all is complete [default: out/NAME]
+    #[arg(long, value_name = "DIR")]
+    pub out: Option<PathBuf>,
+    /// What holds the root: free, pinned, assisted (10 % of body weight, 50 N·m) or
+    /// assisted:FORCE_N,MOMENT_NM [default: the scene's; pinned for a clip]
+    #[arg(long, value_name = "ROOT")]
+    pub root: Option<RootChoice>,
+    /// Write the motion asked for, without physics
+    #[arg(long)]
+    pub kinematic: bool,
+    /// Factor on every tension: 1 leaves them, 2 is twice as stiff
+    #[arg(long, value_name = "X", value_parser = tension, allow_negative_numbers = true)]
+    pub tension: Option<f64>,
+    /// Control steps per second of the simulation [default: the scene's, 240; near 240 for a clip]
+    #[arg(long, value_name = "HZ", value_parser = rate, allow_negative_numbers = true)]
+    pub rate: Option<f64>,
+    /// Engine substeps per control step [default: as many as the stiffest joint needs, at least 2]
+    #[arg(long, value_name = "N", value_parser = substeps, allow_negative_numbers = true)]
+    pub substeps: Option<usize>,
+    /// Draw nothing
+    #[arg(long)]
+    pub no_plots: bool,
+    /// Print the report as JSON, and nothing else, on standard output
+    #[arg(long)]
+    pub json: bool,
+    /// Character file for a clip, instead of a guessed body
+    #[arg(long, value_name = "FILE.ron")]
+    pub body: Option<PathBuf>,
+    /// How to read a clip.
+    #[command(flatten)]
+    pub clip: ClipArgs,
+}
+
+const RENDER_EXAMPLES: &str = "\
+Examples:
+  contrapposto render scenes/bow.ron
+  contrapposto render scenes/bow.ron --tension 0.5 --out out/slack
+  contrapposto render scenes/bow.ron --root assisted:80,50
+  contrapposto render scenes/bow.ron --kinematic
+  contrapposto render walk.bvh --units 0.01 --up y --tension 4
+  contrapposto inspect walk.bvh --write-body body.ron && contrapposto render walk.bvh --body body.ron
+
+Files written into DIR:
+  kinematic.bvh   the motion asked for: edited, within joint limits, feet planted
+  dynamic.bvh     the motion performed
+  dynamic.glb     the same with a body of capsules, for any 3-D tool (kinematic.glb with --kinematic)
+  trace.npz       every torque, gain and contact force, for numpy
+  report.json     the numbers, see docs/REPORT.md
+  plots/          figures, each as .svg and .png
+
+BVH files are written in the unit of the BVH read, in centimetres for scenes; Y is up.
+Same input, same bytes; only `realtime_factor` in report.json is of the clock.";
+
+impl RenderArgs {
+    /// Numbers of the dynamic pass that differ from the file's.
+    pub fn overrides(&self) -> Overrides {
+        Overrides { root: self.root, tension: self.tension, rate_hz: self.rate, substeps: self.substeps }
+    }
+}
+
+/// Arguments of `inspect`.
+#[derive(Debug, Args)]
+#[command(after_help = INSPECT_EXAMPLES)]
+pub struct InspectArgs {
+    /// Scene or character (.ron), or clip (.bvh)
+    #[arg(value_name = "FILE")]
+    pub input: PathBuf,
+    /// Print JSON instead of text
+    #[arg(long)]
+    pub json: bool,
+    /// Write the body guessed for a clip as a character file, to edit and give to `render --body`
+    #[arg(long, value_name = "FILE.ron")]
+    pub write_body: Option<PathBuf>,
+    /// How to read a clip.
+    #[command(flatten)]
+    pub clip: ClipArgs,
+}
+
+const INSPECT_EXAMPLES: &str = "\
+Examples:
+  contrapposto inspect scenes/bow.ron
+  contrapposto inspect scenes/characters/human.ron
+  contrapposto inspect walk.bvh --write-body body.ron
+  contrapposto inspect scenes/bow.ron --json";
+
+/// Arguments of `convert`.
+#[derive(Debug, Args)]
+#[command(after_help = CONVERT_EXAMPLES)]
+pub struct ConvertArgs {
+    /// Clip (.bvh) or scene (.ron)
+    #[arg(value_name = "IN")]
+    pub input: PathBuf,
+    /// File to write: .bvh or .glb
+    #[arg(value_name = "OUT")]
+    pub output: PathBuf,
+    /// Frames per second to resample to [default: the input's]
+    #[arg(long, value_name = "HZ", value_parser = frame_rate, allow_negative_numbers = true)]
+    pub rate: Option<f64>,
+    /// Metres in one unit of a BVH written [default: the input's; 0.01 for a scene]
+    #[arg(long, value_name = "METRES_PER_UNIT", value_parser = length, allow_negative_numbers = true)]
+    pub out_units: Option<f64>,
+    /// How to read a clip.
+    #[command(flatten)]
+    pub clip: ClipArgs,
+}
+
+const CONVERT_EXAMPLES: &str = "\
+Examples:
+  contrapposto convert walk.bvh walk.glb
+  contrapposto convert walk.bvh walk-30.bvh --rate 30 --out-units 0.01
+  contrapposto convert z-up.bvh y-up.bvh --up z --drop-t-pose
+  contrapposto convert scenes/bow.ron bow.glb";
+
+fn number(text: &str, lo: f64, hi: f64, unit: &str) -> Result<f64, String> {
+    let x: f64 = text.parse().map_err(|_| format!("not a number; allowed: {lo} to {hi}{unit}"))?;
+    if (lo..=hi).contains(&x) { Ok(x) } else { Err(format!("allowed: {lo} to {hi}{unit}")) }
+}
+
+fn length(text: &str) -> Result<f64, String> {
+    number(text, 1e-6, 1e3, " m")
+}
+
+fn tension(text: &str) -> Result<f64, String> {
+    number(text, *TENSIONS.start(), *TENSIONS.end(), "")
+}
+
+fn rate(text: &str) -> Result<f64, String> {
+    number(text, *RATES.start(), *RATES.end(), " Hz")
+}
+
+fn frame_rate(text: &str) -> Result<f64, String> {
+    number(text, 1.0, 1e3, " Hz")
+}
+
+fn substeps(text: &str) -> Result<usize, String> {
+    let (lo, hi) = (SUBSTEPS.start(), SUBSTEPS.end());
+    match text.parse() {
+        Ok(n) if SUBSTEPS.contains(&n) => Ok(n),
+        _ => Err(format!("allowed: a whole number from {lo} to {hi}")),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use clap::CommandFactory;
+
+    #[test]
+    fn the_command_line_is_consistent() {
+        super::Cli::command().debug_assert();
+    }
+}

@@ -1,0 +1,4 @@
+//! Which figures a run gets.
+
+/// Names of all figures a run may get.
+pub const STEMS: &[&str] = &[];

@@ -1,0 +1,51 @@
+//! A progress bar on standard error for anything over a second; hidden when that is no terminal.
+
+use std::time::{Duration, Instant};
+
+use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
+
+/// Before this much time has passed nothing is shown.
+const PATIENCE: Duration = Duration::from_secs(1);
+const STEPS: u64 = 1000;
+
+/// The bar of a whole command.
+pub struct Progress {
+    started: Instant,
+    bar: Option<ProgressBar>,
+    what: &'static str,
+}
+
+impl Progress {
+    /// Begins to count time.
+    pub fn new() -> Self {
+        Self { started: Instant::now(), bar: None, what: "" }
+    }
+
+    /// Begins a part of the work.
+    pub fn part(&mut self, what: &'static str) {
+        self.what = what;
+        self.at(0.0);
+    }
+
+    /// This fraction of the part is done.
+    pub fn at(&mut self, fraction: f64) {
+        if self.started.elapsed() < PATIENCE {
+            return;
+        }
+        let bar = self.bar.get_or_insert_with(|| {
+            let bar = ProgressBar::with_draw_target(Some(STEPS), ProgressDrawTarget::stderr());
+            let style = ProgressStyle::with_template("{msg:>10} [{bar:40}] {percent:>3} %  {elapsed}");
+            bar.with_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()).progress_chars("=> "))
+        });
+        bar.set_message(self.what);
+        bar.set_position((fraction.clamp(0.0, 1.0) * STEPS as f64) as u64);
+    }
+}
+
+impl Drop for Progress {
+    fn drop(&mut self) {
+        if let Some(bar) = &self.bar {
+            bar.finish_and_clear();
+        }
+    }
+}

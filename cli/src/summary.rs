@@ -1,0 +1,173 @@
+//! What `render` says at the end: did it work, is it any good, where is it.
+
+use std::fmt::Write;
+use std::path::Path;
+
+use scenes::report::{DynamicReport, FeetReport};
+use scenes::{Report, Stage};
+
+/// Joints named as sagging.
+const SAGGING: usize = 5;
+
+/// The summary of a run whose files are in `dir`.
+pub fn of(stage: &Stage, report: &Report, dir: &Path) -> String {
+    let mut out = String::new();
+    // writing to a String cannot fail
+    let _ = write(&mut out, stage, report, dir);
+    out
+}
+
+fn write(out: &mut String, stage: &Stage, report: &Report, dir: &Path) -> std::fmt::Result {
+    writeln!(out, "{}", verdict(report))?;
+    let c = &report.character;
+    line(
+        out,
+        "scene",
+        format!(
+            "{}: {:.2} s, {} frames at {} Hz",
+            report.scene,
+            report.duration_s,
+            report.frames,
+            number(report.rate_hz)
+        ),
+    )?;
+    line(
+        out,
+        "body",
+        format!("{}: {} links, {} degrees of freedom, {:.1} kg", c.name, c.links, c.dof, c.mass_kg),
+    )?;
+    if let Some(source) = &stage.clip {
+        for (i, text) in source.import.to_string().lines().enumerate() {
+            line(out, if i == 0 { "clip" } else { "" }, text)?;
+        }
+        if let Some(body) = &source.body {
+            for (i, text) in body.to_string().lines().enumerate() {
+                line(out, if i == 0 { "guessed" } else { "" }, text)?;
+            }
+        }
+    }
+    let k = &report.kinematic;
+    line(out, "asked for", feet(&k.feet))?;
+    if k.clamped_frames > 0.0 {
+        line(out, "", format!("joint limits changed {:.0} % of the frames", 100.0 * k.clamped_frames))?;
+    }
+    if report.edit_conflicts > 0 {
+        let text = format!(
+            "{} fields of elements written by more than one edit; the last holds (`contrapposto inspect` lists them)",
+            report.edit_conflicts
+        );
+        line(out, "edits", text)?;
+    }
+    if let Some(d) = &report.dynamic {
+        performed(out, d)?;
+    }
+    for (i, name) in report.files.values().filter(|f| !f.ends_with(".svg")).enumerate() {
+        line(out, if i == 0 { "files" } else { "" }, dir.join(name).display().to_string())?;
+    }
+    Ok(())
+}
+
+fn verdict(report: &Report) -> String {
+    let name = &report.scene;
+    match &report.dynamic {
+        None => format!("{name}: the motion asked for; no physics"),
+        Some(d) => match (&d.diverged, d.fell_at_s) {
+            (Some(why), _) => format!("{name}: FAILED, {why}"),
+            (None, Some(at)) => format!("{name}: THE BODY FELL at {at:.2} s"),
+            (None, None) if d.root.mode == "pinned" => format!("{name}: performed, root pinned"),
+            (None, None) => format!("{name}: performed, the body stands"),
+        },
+    }
+}
+
+fn performed(out: &mut String, d: &DynamicReport) -> std::fmt::Result {
+    let r = &d.root;
+    let held = match r.mode.as_str() {
+        "free" => "free: nothing but muscles and contacts".into(),
+        mode => format!(
+            "{mode}: force {:.1} N RMS ({:.1} % of body weight), {:.1} N peak; moment {:.1} N·m peak; {:.1} N·s in all",
+            r.residual_force_rms_n,
+            r.residual_force_rms_percent_bw,
+            r.residual_force_peak_n,
+            r.residual_moment_peak_nm,
+            r.impulse_ns
+        ),
+    };
+    line(out, "root", held)?;
+    if r.mode == "free" {
+        let text = format!(
+            "unexplained force {:.2} N RMS ({:.3} % of body weight), {:.1} N peak",
+            r.residual_force_rms_n, r.residual_force_rms_percent_bw, r.residual_force_peak_n
+        );
+        line(out, "residual", text)?;
+    }
+    line(
+        out,
+        "muscles",
+        format!(
+            "tension {}, damping ratio {} (up to {:.2} with the integrator's)",
+            number(d.tension),
+            d.damping_ratio,
+            d.damping_ratio + d.added_damping_ratio
+        ),
+    )?;
+    line(
+        out,
+        "simulation",
+        format!("{} Hz, {} substeps, {:.1} × real time", number(d.rate_hz), d.substeps, d.realtime_factor),
+    )?;
+    let worst: Vec<String> = d
+        .worst_joints
+        .iter()
+        .map(|j| format!("{} {:.1}° (peak {:.0}°)", j.joint, j.rms_deg, j.peak_deg))
+        .collect();
+    line(
+        out,
+        "joints",
+        format!("{:.2}° RMS from the motion asked for, links {:.0} mm", d.joint_rms_deg, d.position_rms_mm),
+    )?;
+    line(out, "", format!("worst: {}", worst.join(", ")))?;
+    if d.contact.vertical_peak_n > 0.0 {
+        line(out, "feet", feet(&d.feet))?;
+        let c = &d.contact;
+        let mut text = format!(
+            "vertical {:.1} N mean, {:.1} N peak; {:.2} % of body weight at the end; friction used {:.2}",
+            c.vertical_mean_n, c.vertical_peak_n, c.vertical_end_percent_bw, c.friction_used_max
+        );
+        if let Some(margin) = d.support_margin_mm_min {
+            let _ = write!(text, "; centre of mass at least {margin:.0} mm inside the support");
+        }
+        line(out, "ground", text)?;
+    }
+    for (i, s) in d.sagging.iter().take(SAGGING).enumerate() {
+        let text = format!(
+            "{} at {:.2} s: has {:.1} N·m/rad, needs {:.1}",
+            s.joint, s.time_s, s.tension_nm_rad, s.least_nm_rad
+        );
+        line(out, if i == 0 { "SAGGING" } else { "" }, text)?;
+    }
+    if d.sagging.len() > SAGGING {
+        line(out, "", format!("and {} more, see report.json", d.sagging.len() - SAGGING))?;
+    }
+    Ok(())
+}
+
+fn feet(f: &FeetReport) -> String {
+    format!(
+        "feet slip {:.1} mm, sink {:.1} mm, float {:.1} mm at most; skate {:.1} mm/s",
+        f.slip_mm_max,
+        f.penetration_mm_max.max(0.0),
+        f.float_mm_max.max(0.0),
+        f.skate_mm_s
+    )
+}
+
+fn line(out: &mut String, what: &str, text: impl AsRef<str>) -> std::fmt::Result {
+    writeln!(out, "  {what:<11}{}", text.as_ref())
+}
+
+/// A number as short as it may be.
+fn number(x: f64) -> String {
+    let text = format!("{x:.3}");
+    text.trim_end_matches('0').trim_end_matches('.').to_owned()
+}

@@ -1,0 +1,120 @@
+//! Overrides: numbers of the dynamic pass given beside the file, as on a command line.
+//!
+//! In: text such as `assisted:80,50`. Out: changes to [`Physics`]. The ranges allowed are those of a
+//! scene file.
+
+use std::ops::RangeInclusive;
+use std::str::FromStr;
+
+use dynamics::RootMode;
+
+use crate::scene::Physics;
+
+/// Rates a simulation may run at, Hz.
+pub const RATES: RangeInclusive<f64> = 30.0..=20_000.0;
+/// Tensions a scene may ask for; 1 = natural.
+pub const TENSIONS: RangeInclusive<f64> = 1e-3..=1e3;
+/// Engine substeps a control step may have.
+pub const SUBSTEPS: RangeInclusive<usize> = 1..=64;
+
+/// Default force of an assisted root, part of the body weight.
+const ASSIST_WEIGHT: f64 = 0.1;
+/// Default moment of an assisted root, N·m.
+const ASSIST_MOMENT: f64 = 50.0;
+/// Largest budget of an assisted root, N and N·m.
+const BUDGETS: RangeInclusive<f64> = 0.0..=1e6;
+
+/// What is to hold the root.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum RootChoice {
+    /// Muscles and contacts only: `free`.
+    Free,
+    /// A wrench within a budget: `assisted`, which takes 10 % of the body weight and 50 N·m, or
+    /// `assisted:FORCE_N,MOMENT_NM`.
+    Assisted(Option<(f64, f64)>),
+    /// The kinematic path: `pinned`.
+    Pinned,
+}
+
+/// A text that is no [`RootChoice`].
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[error(
+    "`{0}` holds no root; allowed: free, pinned, assisted, or assisted:FORCE_N,MOMENT_NM with numbers from 0 to 1000000"
+)]
+pub struct RootChoiceError(String);
+
+impl FromStr for RootChoice {
+    type Err = RootChoiceError;
+
+    fn from_str(text: &str) -> Result<Self, RootChoiceError> {
+        let number = |s: &str| s.trim().parse().ok().filter(|x| BUDGETS.contains(x));
+        let choice = match text {
+            "free" => Some(Self::Free),
+            "pinned" => Some(Self::Pinned),
+            "assisted" => Some(Self::Assisted(None)),
+            _ => text
+                .strip_prefix("assisted:")
+                .and_then(|budget| budget.split_once(','))
+                .and_then(|(force, moment)| Some((number(force)?, number(moment)?)))
+                .map(|budget| Self::Assisted(Some(budget))),
+        };
+        choice.ok_or_else(|| RootChoiceError(text.into()))
+    }
+}
+
+/// What is to differ from the file; `None` leaves it.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Overrides {
+    /// What holds the root.
+    pub root: Option<RootChoice>,
+    /// Factor on the file's tension.
+    pub tension: Option<f64>,
+    /// Control steps per second, Hz.
+    pub rate_hz: Option<f64>,
+    /// Engine substeps per control step.
+    pub substeps: Option<usize>,
+}
+
+impl Overrides {
+    /// Changes `physics` for a body of `mass` kg. Numbers out of range are taken to its nearest end.
+    pub fn apply(&self, physics: &mut Physics, mass: f64) {
+        let clamp = |x: f64, range: RangeInclusive<f64>| x.clamp(*range.start(), *range.end());
+        match self.root {
+            None => {}
+            Some(RootChoice::Free) => physics.root = RootMode::Free,
+            Some(RootChoice::Pinned) => physics.root = RootMode::Pinned,
+            Some(RootChoice::Assisted(budget)) => {
+                let weight = mass * physics.gravity.norm();
+                let (force_n, moment_nm) = budget.unwrap_or((ASSIST_WEIGHT * weight, ASSIST_MOMENT));
+                physics.root = RootMode::Assisted { force_n, moment_nm };
+            }
+        }
+        if let Some(factor) = self.tension {
+            physics.tension = clamp(physics.tension * factor, TENSIONS);
+        }
+        if let Some(rate_hz) = self.rate_hz {
+            physics.rate_hz = clamp(rate_hz, RATES);
+        }
+        if let Some(n) = self.substeps {
+            physics.substeps = Some(n.clamp(*SUBSTEPS.start(), *SUBSTEPS.end()));
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn roots_are_read_and_refused() {
+        assert_eq!("free".parse(), Ok(RootChoice::Free));
+        assert_eq!("assisted".parse(), Ok(RootChoice::Assisted(None)));
+        assert_eq!("assisted:80, 50".parse(), Ok(RootChoice::Assisted(Some((80.0, 50.0)))));
+        for bad in
+            ["", "Free", "assisted:", "assisted:80", "assisted:-1,2", "assisted:NaN,1", "assisted:1,inf"]
+        {
+            let refused = bad.parse::<RootChoice>();
+            assert_eq!(refused, Err(RootChoiceError(bad.into())), "{bad}");
+        }
+    }
+}
