@@ -36,7 +36,7 @@ fn bare(c: &Character) -> (World, Vec<Drive>) {
     let still = vec![0.0; c.skeleton.nv()];
     let world = World::new(c, settings, &c.rest, &still).unwrap();
     let drives = (0..world.model.bodies.len())
-        .map(|i| Drive { stiffness: 800.0, damping: 40.0, rest: rest_of(&world.model, i, &c.rest) })
+        .map(|i| Drive { stiffness: 5000.0, damping: 200.0, rest: rest_of(&world.model, i, &c.rest) })
         .collect();
     (world, drives)
 }
@@ -93,6 +93,13 @@ fn ratio() {
         &mut || assert!(script.step().unwrap()),
         &mut || assert!(clip.step().unwrap()),
     ]);
+    assert!(world.q()[1] > 0.8, "the bare body has fallen");
+    let trace = script.finish().trace;
+    assert!(trace.pose(trace.rows() - 1)[1] > 0.8, "the body has fallen");
+    let mut touching = Vec::new();
+    world.contacts(0, &mut touching);
+    let own = trace.contacts.iter().filter(|c| c.row == trace.rows() - 1).count();
+    println!("contact points: {} bare, {own} whole", touching.len());
     println!("{} degrees of freedom, {RATE_HZ} Hz, one substep; least of {BLOCKS} blocks", c.skeleton.nv());
     println!("bare rapier   {:6.1} µs", times[0] * 1e6);
     for (name, t) in [("whole, script", times[1]), ("whole, clip", times[2])] {
