@@ -1,1 +1,5 @@
-//! promises
+//! Promises across the crates. Each module is one kind of promise.
+
+mod arrows;
+mod laws;
+mod scenes;

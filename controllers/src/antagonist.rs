@@ -8,12 +8,14 @@
 //! zero frame. For slides read m and N.
 //!
 //! Both gains non-negative is the same as: the unloaded rest lies between the set points. That is how
-//! every joint is bounded here; a ball's rest is bounded in its anatomical coordinates.
+//! every joint is bounded here. A ball has a pair for each of its anatomical coordinates φ: with ω = A φ̇
+//! its load along coordinate i is (Aᵀ load)ᵢ, at the target.
 //!
 //! [NF02] Neff, Fiume. Modeling tension and relaxation for computer animation, SCA 2002.
 
-use motion::rotation::exp;
-use motion::{BallLimits, Joint, Limits, Range, Vec3};
+use motion::rotation::{exp, exp_rate};
+use motion::{BallLimits, Joint, Limits, Quat, Range, Vec3};
+use nalgebra::Matrix3;
 use thiserror::Error;
 
 use crate::Rest;
@@ -153,18 +155,22 @@ impl SetPoints {
 
     /// Unloaded rest that balances `load` at `target` with stiffness `k`, within the set points.
     ///
-    /// Hinge: θ* − load/K. Ball: exp(−load/K) R*, which K log(R_rest Rᵀ) balances at R = R*. `load` is
+    /// Hinge: θ* − load/K; ball: shift −load/K, each of its anatomical axes bounded on its own. `load` is
     /// along the zero frame (in `.x` for hinges and slides), N·m.
     pub fn rest(&self, target: &Rest, load: Vec3, k: f64) -> Rest {
         match (self, target) {
             (Self::Axis(set), Rest::Scalar(q)) => Rest::Scalar(set.clamp(q - load.x / k)),
-            (Self::Ball(set), Rest::Ball(r)) => {
-                // A shift beyond half a turn would point the other way round.
-                let shift = -load / k;
-                let length = shift.norm();
-                let cap = std::f64::consts::FRAC_PI_2;
-                let shift = if length > cap { shift * (cap / length) } else { shift };
-                Rest::Ball(set.clamp(&(exp(&shift) * r)))
+            (Self::Ball(set), Rest::Ball { target, .. }) => {
+                let (phi, axes) = anatomical(set, target);
+                let wanted = axes.tr_mul(&(-load / k));
+                let bounded = Vec3::from_fn(|i, _| set.ranges[i].clamp(phi[i] + wanted[i]) - phi[i]);
+                let shift = if (bounded - wanted).amax() < 1e-12 {
+                    -load / k
+                } else {
+                    // Regular for swings below half a turn, which limits keep.
+                    axes.transpose().try_inverse().map_or(-load / k, |inverse| inverse * bounded)
+                };
+                Rest::Ball { target: *target, shift }
             }
             _ => Rest::None,
         }
@@ -172,15 +178,14 @@ impl SetPoints {
 
     /// Least stiffness that holds `target` against `load` with pulling springs only, N·m/rad.
     ///
-    /// For a ball: the worst of its three anatomical axes (the twist axis turned by the swing).
+    /// For a ball: the worst of its three anatomical axes.
     pub fn least(&self, target: &Rest, load: Vec3) -> f64 {
         match (self, target) {
             (Self::Axis(set), Rest::Scalar(q)) => least_for_load(*set, *q, load.x),
-            (Self::Ball(set), Rest::Ball(r)) => {
-                let phi = set.coords(r);
-                let swing = exp(&(set.axes[0] * phi[0] + set.axes[1] * phi[1]));
-                let axes = [set.axes[0], set.axes[1], swing * set.axes[2]];
-                (0..3).map(|i| least_for_load(set.ranges[i], phi[i], load.dot(&axes[i]))).fold(0.0, f64::max)
+            (Self::Ball(set), Rest::Ball { target, .. }) => {
+                let (phi, axes) = anatomical(set, target);
+                let load = axes.tr_mul(&load);
+                (0..3).map(|i| least_for_load(set.ranges[i], phi[i], load[i])).fold(0.0, f64::max)
             }
             _ => 0.0,
         }
@@ -194,13 +199,25 @@ impl SetPoints {
         };
         match (self, rest) {
             (Self::Axis(set), Rest::Scalar(q)) => [pair(*set, *q), (0.0, 0.0), (0.0, 0.0)],
-            (Self::Ball(set), Rest::Ball(r)) => {
-                let phi = set.coords(r);
-                std::array::from_fn(|i| pair(set.ranges[i], phi[i]))
+            (Self::Ball(set), Rest::Ball { target, shift }) => {
+                let (phi, axes) = anatomical(set, target);
+                let rest = phi + axes.tr_mul(shift);
+                std::array::from_fn(|i| pair(set.ranges[i], rest[i]))
             }
             _ => [(0.0, 0.0); 3],
         }
     }
+}
+
+/// Anatomical coordinates φ of a ball and the matrix A of ω = A φ̇, zero frame.
+///
+/// R = exp(s) exp(φ₂ a₂) with s = φ₀ a₀ + φ₁ a₁: the swings turn by J(s) a₀ and J(s) a₁, the twist about
+/// the swung bone.
+fn anatomical(set: &BallLimits, r: &Quat) -> (Vec3, Matrix3<f64>) {
+    let phi = set.coords(r);
+    let s = set.axes[0] * phi[0] + set.axes[1] * phi[1];
+    let twist = exp(&s) * set.axes[2];
+    (phi, Matrix3::from_columns(&[exp_rate(&s, &set.axes[0]), exp_rate(&s, &set.axes[1]), twist]))
 }
 
 #[cfg(test)]
@@ -231,17 +248,68 @@ mod tests {
         }
     }
 
-    /// A ball rests where it is told, under load, for any stiffness that can hold.
+    fn shoulder() -> SetPoints {
+        let ranges = [Range::new(-1.0, 2.0), Range::new(-1.2, 0.9), Range::new(-0.8, 1.1)];
+        let limits = BallLimits { axes: [Vec3::x(), Vec3::z(), -Vec3::y()], ranges };
+        SetPoints::of(&Joint::Spherical, Some(&Limits::Ball(limits)))
+    }
+
+    /// A ball rests where it is told, under load, and is equally stiff in all directions there, for any
+    /// stiffness that can hold: the curvature of its potential is K.
     #[test]
     fn a_loaded_ball_balances_at_its_target() {
-        let set = SetPoints::of(&Joint::Spherical, None);
-        let target = exp(&Vec3::new(0.3, -0.5, 0.2));
         let load = Vec3::new(3.0, -1.0, 2.0);
-        for k in [10.0, 40.0] {
-            let Rest::Ball(rest) = set.rest(&Rest::Ball(target), load, k) else { panic!() };
-            let torque = motion::rotation::log(&(rest * target.inverse())) * k;
-            assert!((torque + load).norm() < 1e-12, "{torque} {load}");
+        for set in [SetPoints::of(&Joint::Spherical, None), shoulder()] {
+            let target = exp(&Vec3::new(0.3, -0.5, 0.2));
+            let least = set.least(&Rest::ball(target), load);
+            for k in [1.001 * least, 4.0 * least] {
+                let rest = set.rest(&Rest::ball(target), load, k);
+                let drive = crate::Drive { stiffness: k, damping: 0.0, rest };
+                let torque = |delta: Vec3| drive.pull(&(exp(&delta) * target)) * k;
+                assert!((torque(Vec3::zeros()) + load).norm() < 1e-12);
+                for e in [Vec3::x(), Vec3::y(), Vec3::new(0.0, 0.6, 0.8)] {
+                    let h = 1e-5;
+                    let stiffness = -(torque(e * h) - torque(-e * h)).dot(&e) / (2.0 * h);
+                    assert!((stiffness / k - 1.0).abs() < 1e-8, "{stiffness} {k}"); // 4e-11 seen
+                }
+                let all = set.gains(k, &rest);
+                assert!(all.iter().all(|g| g.0 >= 0.0 && g.1 >= 0.0 && (g.0 + g.1 - k).abs() < 1e-12));
+            }
         }
+    }
+
+    /// Below its least tension exactly one spring of a ball has let go, and less torque is left.
+    #[test]
+    fn a_slack_ball_sags() {
+        let (set, target) = (shoulder(), exp(&Vec3::new(0.3, -0.5, 0.2)));
+        let load = Vec3::new(3.0, -1.0, 2.0);
+        let k = 0.9 * set.least(&Rest::ball(target), load);
+        let rest = set.rest(&Rest::ball(target), load, k);
+        let slack = set.gains(k, &rest).iter().flat_map(|g| [g.0, g.1]).filter(|g| g.abs() < 1e-12).count();
+        assert_eq!(slack, 1);
+        let drive = crate::Drive { stiffness: k, damping: 0.0, rest };
+        assert!((drive.pull(&target) * k + load).norm() > 0.01 * load.norm());
+    }
+
+    /// The torque of a ball's springs has a potential: no work on any closed loop.
+    #[test]
+    fn a_ball_pumps_no_energy() {
+        let (set, target) = (shoulder(), exp(&Vec3::new(0.3, -0.5, 0.2)));
+        let rest = set.rest(&Rest::ball(target), Vec3::new(9.0, -4.0, 6.0), 20.0);
+        let drive = crate::Drive { stiffness: 20.0, damping: 0.0, rest };
+        let n = 20_000;
+        let at = |i: usize| {
+            let t = i as f64 / n as f64 * std::f64::consts::TAU;
+            exp(&(Vec3::new(t.cos() - 1.0, (2.0 * t).sin(), t.sin()) * 0.8))
+        };
+        let (mut work, mut moved) = (0.0, 0.0);
+        for i in 0..n {
+            let turn = motion::rotation::log(&(at(i + 1) * at(i).inverse()));
+            let mean = (drive.pull(&at(i)) + drive.pull(&at(i + 1))) * 0.5;
+            work += 20.0 * mean.dot(&turn);
+            moved += 20.0 * (mean.dot(&turn)).abs();
+        }
+        assert!(work.abs() < 1e-6 * moved, "{work} of {moved} J"); // 1e-9 seen
     }
 
     /// The folded form and the pair are one law.

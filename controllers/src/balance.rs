@@ -17,7 +17,6 @@ use dynamics::{Model, State};
 use motion::Vec3;
 use motion::ik::IkError;
 use motion::plant::{Plant, plant};
-use motion::rotation::{exp, log};
 use motion::skeleton::{quat_at, vec_at};
 use motion::support::{Support, Vec2, ground};
 
@@ -192,10 +191,10 @@ impl Balance {
         drive: &mut Drive,
     ) {
         let b = &model.bodies[body];
-        let (Rest::Ball(rest), true) = (drive.rest, force > 1.0) else { return };
+        let (Rest::Ball { .. }, true) = (drive.rest, force > 1.0) else { return };
         let now = quat_at(q, b.q_at);
         let omega = vec_at(v, b.v_at);
-        let torque = log(&(rest * now.inverse())) * drive.stiffness - omega * drive.damping;
+        let torque = drive.pull(&now) * drive.stiffness - omega * drive.damping;
         let zero = self.state.bodies[body].zero;
         let mut world = zero * torque;
         let ankle = ground(&self.state.bodies[body].world.translation.vector);
@@ -209,7 +208,7 @@ impl Balance {
         world.x = r.y * force;
         world.z = -r.x * force;
         let torque = zero.transpose() * world + omega * drive.damping;
-        drive.rest = Rest::Ball(exp(&(torque / drive.stiffness)) * now);
+        drive.rest = Rest::Ball { target: now, shift: torque / drive.stiffness };
     }
 }
 

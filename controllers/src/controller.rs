@@ -101,6 +101,8 @@ pub struct Controller {
     state: State,
     tau: Vec<f64>,
     lift: Vec<f64>,
+    /// Least stiffness for stability per body, at the rows planned for; for clips.
+    stability: Vec<(usize, Vec<f64>)>,
 }
 
 /// Tension of stance legs is kept in this range: below they would not stand (T = 0.5 just does), above an
@@ -173,6 +175,7 @@ impl Controller {
             state: State::new(&model),
             tau: vec![0.0; model.nv()],
             lift: Vec::new(),
+            stability: Vec::new(),
             legs,
             goal: setup.goal,
             scale,
@@ -273,10 +276,16 @@ impl Controller {
         let rate = dynamics::rnea::joint_force(&b.joint, self.goal.velocity(row), b.v_at);
         let load = -dynamics::rnea::joint_force(&b.joint, &self.tau, b.v_at) - rate * damping;
         let target = rest_of(&self.model, body, self.goal.pose(row));
-        let least = self.set_points[body].least(&target, load);
+        let least = self.set_points[body].least(&target, load).max(self.stability_need(body, row));
         let dt = 1.0 / self.goal.rate_hz;
         self.note_slack(body, row as f64 * dt, dt, stiffness, least);
         Drive { stiffness, damping, rest: self.set_points[body].rest(&target, load, stiffness) }
+    }
+
+    /// Least stiffness for stability of a joint, at the planned pose before `row`.
+    fn stability_need(&self, body: usize, row: usize) -> f64 {
+        let at = self.stability.partition_point(|(r, _)| *r <= row);
+        self.stability.get(at.saturating_sub(1)).map_or(0.0, |(_, least)| least[body])
     }
 
     /// Joins successive slack steps of a joint into one entry.
@@ -304,6 +313,9 @@ impl Controller {
     fn plan(&mut self, tracks: Option<&Tracks>, factor: f64, in_leg: &[usize], planner: &mut Planner<'_>) {
         let n = self.model.bodies.len();
         let Some(tracks) = tracks else {
+            let of = |needs: &[Need]| needs.iter().map(|n| n.least_stability).collect();
+            self.stability = planner.cache.iter().map(|(row, needs)| (*row, of(needs))).collect();
+            self.stability.sort_by_key(|(row, _)| *row);
             for i in 0..n {
                 let LegMuscle { stiffness, damping } = self.legs[i];
                 self.muscles.push(match rest_of(&self.model, i, self.goal.pose(0)) {
@@ -400,8 +412,8 @@ impl Controller {
         match (value, &self.model.skeleton.links()[link].limits) {
             (Value::Scalar(x), Some(Limits::Axis(r))) => Rest::Scalar(r.clamp(*x)),
             (Value::Scalar(x), _) => Rest::Scalar(*x),
-            (Value::Rotation(r), Some(Limits::Ball(b))) => Rest::Ball(b.clamp(r)),
-            (Value::Rotation(r), _) => Rest::Ball(*r),
+            (Value::Rotation(r), Some(Limits::Ball(b))) => Rest::ball(b.clamp(r)),
+            (Value::Rotation(r), _) => Rest::ball(*r),
         }
     }
 

@@ -1,11 +1,16 @@
 //! Drives: stiffness, damping and rest of one joint, the folded form of an antagonistic pair.
 //!
 //! Two springs with set points `lo < hi` and gains `k_lo`, `k_hi` are one spring of stiffness
-//! `K = k_lo + k_hi` resting at `(k_lo lo + k_hi hi) / K`: the torque is `K (rest − θ) − k_d θ̇`, for a
-//! ball `K log(R_rest Rᵀ) − k_d ω`. Torques along the joint's zero frame.
+//! `K = k_lo + k_hi` resting at `(k_lo lo + k_hi hi) / K`: the torque is `K (rest − θ) − k_d θ̇`.
+//!
+//! A ball is the same in exponential coordinates about its target R*: with δ = log(R R*ᵀ) the springs have
+//! the potential ½ K |δ − s|², the shift s = −load/K being what the load adds to the rest. The torque is
+//! `−K δ + J(δ)⁻ᵀ K s − k_d ω`, J the left Jacobian. At R* it balances the load and its stiffness is K in
+//! every direction; a spring to the rest itself, K log(exp(s) R* Rᵀ), would keep K only along s and
+//! K (|s|/2) cot(|s|/2) across it. Torques along the joint's zero frame.
 
 use dynamics::Model;
-use motion::rotation::{log, slerp};
+use motion::rotation::{log, log_moment, slerp};
 use motion::skeleton::{quat_at, vec_at};
 use motion::{Joint, Quat, Vec3};
 
@@ -14,8 +19,13 @@ use motion::{Joint, Quat, Vec3};
 pub enum Rest {
     /// Angle of a hinge (rad) or distance of a slide (m).
     Scalar(f64),
-    /// Rotation of a ball.
-    Ball(Quat),
+    /// A ball.
+    Ball {
+        /// R*: the rotation it rests at under its load.
+        target: Quat,
+        /// s: where it would rest without, from R* in exponential coordinates, rad.
+        shift: Vec3,
+    },
     /// The joint is not actuated: a free root, a weld.
     None,
 }
@@ -25,17 +35,24 @@ pub fn rest_of(model: &Model, body: usize, q: &[f64]) -> Rest {
     let b = &model.bodies[body];
     match b.joint {
         Joint::Revolute(_) | Joint::Prismatic(_) => Rest::Scalar(q[b.q_at]),
-        Joint::Spherical => Rest::Ball(quat_at(q, b.q_at)),
+        Joint::Spherical => Rest::ball(quat_at(q, b.q_at)),
         Joint::Free | Joint::Fixed => Rest::None,
     }
 }
 
 impl Rest {
+    /// A ball that carries no load.
+    pub fn ball(target: Quat) -> Self {
+        Self::Ball { target, shift: Vec3::zeros() }
+    }
+
     /// Rest between `self` and `other` at the fraction `s`: linear, or slerp.
     pub fn blend(&self, other: &Rest, s: f64) -> Rest {
         match (self, other) {
             (Rest::Scalar(a), Rest::Scalar(b)) => Rest::Scalar(a + (b - a) * s),
-            (Rest::Ball(a), Rest::Ball(b)) => Rest::Ball(slerp(a, b, s)),
+            (Rest::Ball { target: a, shift: from }, Rest::Ball { target: b, shift: to }) => {
+                Rest::Ball { target: slerp(a, b, s), shift: from + (to - from) * s }
+            }
             _ => *other,
         }
     }
@@ -56,6 +73,14 @@ impl Drive {
     /// A joint without muscles.
     pub const NONE: Self = Self { stiffness: 0.0, damping: 0.0, rest: Rest::None };
 
+    /// How far a ball at `now` is from where its springs pull it, as rotation vector along the zero frame:
+    /// their torque over K, rad.
+    pub fn pull(&self, now: &Quat) -> Vec3 {
+        let Rest::Ball { target, shift } = &self.rest else { return Vec3::zeros() };
+        let delta = log(&(now * target.inverse()));
+        log_moment(&delta, shift) - delta
+    }
+
     /// Torque of the pair on the joint (N·m; for slides the force along the axis in `.x`).
     ///
     /// `q`, `v` are the whole pose and velocity; `q_at`, `v_at` say where the joint's values start. For
@@ -65,9 +90,8 @@ impl Drive {
             (Joint::Revolute(_) | Joint::Prismatic(_), Rest::Scalar(rest)) => {
                 Vec3::x() * (self.stiffness * (rest - q[q_at]) - self.damping * v[v_at])
             }
-            (Joint::Spherical, Rest::Ball(rest)) => {
-                let error = log(&(rest * quat_at(q, q_at).inverse()));
-                error * self.stiffness - vec_at(v, v_at) * self.damping
+            (Joint::Spherical, Rest::Ball { .. }) => {
+                self.pull(&quat_at(q, q_at)) * self.stiffness - vec_at(v, v_at) * self.damping
             }
             _ => Vec3::zeros(),
         }

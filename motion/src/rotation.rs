@@ -31,6 +31,33 @@ pub fn exp(r: &Vec3) -> Quat {
     Quat::new_normalize(Quaternion::new((0.5 * angle).cos(), v.x, v.y, v.z))
 }
 
+/// Angular velocity of `exp(r)` while `r` changes at `rate`: ω = J(r) ṙ, J the left Jacobian of SO(3).
+///
+/// J(r) = 1 + (1 − cos θ)/θ² [r×] + (θ − sin θ)/θ³ [r×]², θ = |r|. In the frame that `exp(r)` turns in.
+pub fn exp_rate(r: &Vec3, rate: &Vec3) -> Vec3 {
+    let t2 = r.norm_squared();
+    let t = t2.sqrt();
+    // series where the quotients would lose digits
+    let (a, b) = if t > 1e-3 {
+        ((1.0 - t.cos()) / t2, (t - t.sin()) / (t2 * t))
+    } else {
+        (0.5 - t2 / 24.0, 1.0 / 6.0 - t2 / 120.0)
+    };
+    let turned = r.cross(rate);
+    rate + turned * a + r.cross(&turned) * b
+}
+
+/// Moment on `exp(r)` that does the work of the generalised force `f` on `r`: J(r)⁻ᵀ f, see [`exp_rate`].
+///
+/// J⁻ᵀ = 1 + ½ [r×] + (1/θ² − cot(θ/2)/(2θ)) [r×]²; regular for θ < 2π.
+pub fn log_moment(r: &Vec3, f: &Vec3) -> Vec3 {
+    let t2 = r.norm_squared();
+    let t = t2.sqrt();
+    let b = if t > 1e-3 { 1.0 / t2 - 0.5 / (t * (0.5 * t).tan()) } else { 1.0 / 12.0 + t2 / 720.0 };
+    let turned = r.cross(f);
+    f + turned * 0.5 + r.cross(&turned) * b
+}
+
 /// Rotation from `a` to `b` at the fraction `s`, along the shorter arc; extrapolates outside [0, 1].
 ///
 /// `s = 0` returns `a` and `s = 1` returns `b` to rounding.
@@ -133,6 +160,21 @@ mod tests {
         }
         let tiny = Vec3::new(1e-12, -2e-12, 3e-13);
         assert!((log(&exp(&tiny)) - tiny).norm() < 1e-26);
+    }
+
+    /// The rate of the exponential is its difference quotient; moments and rates exchange equal power.
+    #[test]
+    fn exp_rate_is_a_derivative_and_log_moment_its_dual() {
+        let (rate, f) = (Vec3::new(0.4, -1.1, 0.7), Vec3::new(-2.0, 0.3, 1.2));
+        for q in samples().iter().chain([&exp(&Vec3::new(3e-4, -5e-4, 2e-4))]) {
+            let r = log(q);
+            let h = 1e-6;
+            let step = log(&(exp(&(r + rate * h)) * exp(&(r - rate * h)).inverse())) / (2.0 * h);
+            let omega = exp_rate(&r, &rate);
+            assert!((step - omega).norm() < 1e-8, "{r:?}"); // 4e-10 seen
+            let error = log_moment(&r, &f).dot(&omega) - f.dot(&rate);
+            assert!(error.abs() < 1e-12, "{r:?}: {error}"); // 7e-15 seen
+        }
     }
 
     #[test]

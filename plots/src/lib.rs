@@ -1,1 +1,27 @@
-//! plots
+//! Figures of motions and traces, as SVG and PNG: what the body was asked to do, what it did, and
+//! every force it needed.
+//!
+//! In: [`motion::Clip`]s and [`dynamics::Trace`]s. Out: [`Figure`]s, written by [`Figure::save`].
+//! Nothing is computed here that is not in the trace, but differences, sums and support hulls. The
+//! typeface (DejaVu Sans) is embedded; no system library is needed. Same input, same bytes.
+//!
+//! | module | holds |
+//! |---|---|
+//! | [`strip`] | film strips: figures evenly spaced in time |
+//! | [`camera`], [`solid`] | who looks at them, and how shapes become polygons |
+//! | [`panel`] | axes, curves, legends, pages of small multiples |
+//! | [`figure`] | a page as a list of marks; SVG and PNG |
+//! | [`mod@style`] | colours, sizes, the typeface |
+//!
+//! Text on figures is in degrees, newtons and metres.
+
+pub mod camera;
+pub mod figure;
+pub mod panel;
+pub mod solid;
+pub mod strip;
+pub mod style;
+
+pub use camera::Camera;
+pub use figure::{Figure, FigureError};
+pub use strip::{StripOptions, StripRow, film_strip, film_strip_with};

@@ -13,7 +13,7 @@ use std::path::Path;
 use std::sync::Arc;
 
 use controllers::{BalanceSettings, Goal, Setup, posture};
-use dynamics::anthropometry::guess::{BodyOptions, BodyReport, GuessError, guess_body};
+use dynamics::anthropometry::{BodyOptions, BodyReport, GuessError, guess_body_of_clip};
 use dynamics::pose_map::{PoseMap, PoseMapError};
 use dynamics::{Character, Model, RootMode, State};
 use edits::EditLog;
@@ -90,6 +90,7 @@ fn too_long(duration_s: f64, rate_hz: f64) -> String {
 }
 
 /// What a clip came with.
+#[derive(Clone, Debug)]
 pub struct ClipSource {
     /// The clip as read, with all its joints.
     pub clip: Clip,
@@ -102,6 +103,7 @@ pub struct ClipSource {
 }
 
 /// A motion with the body that is to perform it. See the module header.
+#[derive(Clone)]
 pub struct Stage {
     /// Name, for output folders.
     pub name: String,
@@ -113,6 +115,8 @@ pub struct Stage {
     pub unedited: Clip,
     /// The elements behind it, edited; `None` for a clip.
     pub tracks: Option<Tracks>,
+    /// The elements without edits; `None` for a clip.
+    pub plain: Option<Tracks>,
     /// Who edited what.
     pub log: EditLog,
     /// Feet that stay where they are.
@@ -217,6 +221,7 @@ pub fn stage_scene(scene: Scene) -> Result<Stage, SceneError> {
         kinematic,
         unedited,
         tracks: Some(tracks),
+        plain: Some(plain),
         log,
         plants,
         physics: scene.physics,
@@ -276,7 +281,11 @@ fn stage_clip(path: &Path, body: Option<&Path>, import: &ImportOptions) -> Resul
     }
     let (character, guess) = match body {
         Some(file) => (character_file::read(file)?, None),
-        None => guess(&clip).map_err(|source| StageError::Body { path: shown.clone(), source })?,
+        None => {
+            let guessed = guess_body_of_clip(&clip, &BodyOptions::default());
+            let (c, r) = guessed.map_err(|source| StageError::Body { path: shown.clone(), source })?;
+            (c, Some(r))
+        }
     };
     let character = Arc::new(character);
     let skeleton = &character.skeleton;
@@ -295,6 +304,7 @@ fn stage_clip(path: &Path, body: Option<&Path>, import: &ImportOptions) -> Resul
         name,
         unedited: kinematic.clone(),
         tracks: None,
+        plain: None,
         log: EditLog::default(),
         plants,
         physics: Physics {
@@ -314,27 +324,6 @@ fn stage_clip(path: &Path, body: Option<&Path>, import: &ImportOptions) -> Resul
         clip: Some(ClipSource { clip, map, import: report, body: guess }),
         character,
     })
-}
-
-/// A body for a clip: from its zero pose, or where that does not stand, from its most upright frame.
-fn guess(clip: &Clip) -> Result<(Character, Option<BodyReport>), GuessError> {
-    let options = BodyOptions::default();
-    match guess_body(&clip.skeleton, &options) {
-        Ok((c, r)) => Ok((c, Some(r))),
-        Err(first @ GuessError::NotStanding { .. }) => {
-            // any standing frame will do; the first that the rules accept
-            let step = (clip.frames() / 20).max(1);
-            (0..clip.frames())
-                .step_by(step)
-                .find_map(|f| {
-                    let reference = Some(clip.pose(f).to_vec());
-                    guess_body(&clip.skeleton, &BodyOptions { reference, ..options.clone() }).ok()
-                })
-                .map(|(c, r)| (c, Some(r)))
-                .ok_or(first)
-        }
-        Err(e) => Err(e),
-    }
 }
 
 /// Height below which 2 % of the frames' lowest contact points lie, m; `None` without contact points.
@@ -368,6 +357,16 @@ fn standing(character: &Character, clip: &Clip) -> Vec<Plant> {
 }
 
 impl Stage {
+    /// The same stage with none of its edits.
+    pub fn without_edits(&self) -> Self {
+        Self {
+            kinematic: self.unedited.clone(),
+            tracks: self.plain.clone(),
+            log: EditLog::default(),
+            ..self.clone()
+        }
+    }
+
     /// The dynamic pass of this stage.
     pub fn pass(&self) -> Pass {
         let p = &self.physics;

@@ -14,5 +14,5 @@ pub mod contacts;
 pub mod pass;
 pub mod world;
 
-pub use pass::{Outcome, Pass, PassError, Push};
+pub use pass::{Outcome, Pass, PassError, Push, Run};
 pub use world::{Ground, World, WorldError, WorldSettings};

@@ -10,8 +10,8 @@ use std::time::Instant;
 use controllers::assist::{self, Budget};
 use controllers::{Controller, Sagging, Setup};
 use dynamics::{Character, ContactSample, RootMode, State, Trace, Wrench};
-use motion::Vec3;
 use motion::ik::IkError;
+use motion::{Joint, Vec3};
 use thiserror::Error;
 
 use crate::world::{Ground, World, WorldError, WorldSettings};
@@ -48,7 +48,7 @@ pub struct Pass {
     pub setup: Setup,
     /// Engine substeps per control step; `None` takes two, or more until ω₀ dt/2 ≤ 0.1 in every joint.
     pub substeps: Option<usize>,
-    /// What holds the root.
+    /// What holds a free root; a root with a joint of its own has that, and runs as `Free`.
     pub root: RootMode,
     /// Ground plane, if any.
     pub ground: Option<Ground>,
@@ -82,78 +82,146 @@ impl Pass {
     /// [`PassError`] when the body cannot be built or its legs not be solved. A divergence is an outcome,
     /// not an error: its trace is kept.
     pub fn run(self, progress: &mut dyn FnMut(f64)) -> Result<Outcome, PassError> {
+        let mut run = self.start()?;
+        while run.step()? {
+            if run.row() % 16 == 0 {
+                progress(run.row() as f64 / run.rows() as f64);
+            }
+        }
+        progress(1.0);
+        Ok(run.finish())
+    }
+
+    /// Prepares the run: plans the muscles, builds the world, records the first row.
+    ///
+    /// # Errors
+    /// [`PassError`] when the body cannot be built or its legs not be solved.
+    pub fn start(self) -> Result<Run, PassError> {
         let character = self.setup.character.clone();
         let gravity = self.setup.gravity;
         let scripted = self.setup.tracks.is_some();
-        let mut controller = Controller::new(self.setup)?;
+        let free_root = matches!(character.skeleton.links()[0].joint, Joint::Free);
+        let root = if free_root { self.root } else { RootMode::Free };
+        let controller = Controller::new(self.setup)?;
         let rate_hz = controller.goal().rate_hz;
         let substeps = self.substeps.unwrap_or_else(|| {
             let needed = controller.added_damping(1.0 / rate_hz).0 / ADDED_DAMPING;
             (needed.ceil() as usize).clamp(2, 32)
         });
-        let added_damping = controller.added_damping(1.0 / (rate_hz * substeps as f64));
-        let added_damping = (added_damping.0, controller.model.bodies[added_damping.1].link);
-        let settings = WorldSettings {
-            rate_hz,
-            substeps,
-            gravity,
-            ground: self.ground,
-            pinned: self.root == RootMode::Pinned,
-        };
+        let pinned = root == RootMode::Pinned;
+        let settings = WorldSettings { rate_hz, substeps, gravity, ground: self.ground, pinned };
         let q = controller.goal().pose(0).to_vec();
         // scripts start from rest, clips in the middle of a motion
-        let v = if scripted { vec![0.0; q.len()] } else { controller.goal().velocity(0).to_vec() };
-        let v = &v[..controller.model.nv()];
+        let v =
+            if scripted { vec![0.0; controller.model.nv()] } else { controller.goal().velocity(0).to_vec() };
         let started = Instant::now();
-        let mut world = World::new(&character, settings, &q, v)?;
-        let mut recorder = Recorder::new(&character, &settings, self.root, self.ground);
+        let world = World::new(&character, settings, &q, &v)?;
         let mut state = State::new(&controller.model);
         state.update(&controller.model, world.q(), world.v());
-        let rows = controller.goal().rows();
-        recorder.record(&mut state, &world, &controller, 0, None);
-        let (mut fell_s, mut diverged) = (None, None);
-        for row in 1..rows {
-            controller.step(row, world.q(), world.v())?;
-            world.set_drives(controller.drives());
-            let t = (row - 1) as f64 / rate_hz;
-            for push in &self.pushes {
-                if t >= push.start_s - 1e-9 && t < push.start_s + push.duration_s - 1e-9 {
-                    let point = state.point(&controller.model, push.link, &push.at);
-                    let moment = Vec3::zeros();
-                    world.add_wrench(&Wrench { link: push.link, point, force: push.force, moment });
-                }
-            }
-            let mut held = None;
-            match self.root {
-                RootMode::Free => {}
-                RootMode::Assisted { force_n, moment_nm } => {
-                    let budget = Budget { force_n, moment_nm };
-                    let goal = controller.goal();
-                    let to = (goal.pose(row), goal.velocity(row));
-                    let now = (world.q(), world.v());
-                    let w = assist::wrench(&controller.model, &mut state, budget, now, to);
-                    world.add_wrench(&w);
-                    held = Some(w);
-                }
-                RootMode::Pinned => world.move_root(&state, controller.goal().pose(row)),
-            }
-            if let Err(error) = world.step() {
-                diverged = Some(error);
-                break;
-            }
-            state.update(&controller.model, world.q(), world.v());
-            recorder.record(&mut state, &world, &controller, row, held);
-            if fell_s.is_none() && self.root != RootMode::Pinned && recorder.fallen(row, &controller) {
-                fell_s = Some(row as f64 / rate_hz);
-            }
-            if row % 16 == 0 {
-                progress(row as f64 / rows as f64);
+        let mut recorder = Recorder::new(&character, &settings, root, self.ground, &controller);
+        recorder.record(&state, &world, &controller, 0, None);
+        Ok(Run {
+            controller,
+            world,
+            recorder,
+            state,
+            root,
+            pushes: self.pushes,
+            row: 0,
+            fell_s: None,
+            diverged: None,
+            started,
+        })
+    }
+}
+
+/// A pass under way.
+pub struct Run {
+    controller: Controller,
+    world: World,
+    recorder: Recorder,
+    state: State,
+    root: RootMode,
+    pushes: Vec<Push>,
+    row: usize,
+    fell_s: Option<f64>,
+    diverged: Option<WorldError>,
+    started: Instant,
+}
+
+impl Run {
+    /// Last row recorded.
+    pub fn row(&self) -> usize {
+        self.row
+    }
+
+    /// Rows the whole run will have.
+    pub fn rows(&self) -> usize {
+        self.controller.goal().rows()
+    }
+
+    /// Controls, simulates and records one step; `false` when the run is over.
+    ///
+    /// # Errors
+    /// Legs that cannot be solved.
+    pub fn step(&mut self) -> Result<bool, PassError> {
+        if self.row + 1 >= self.rows() || self.diverged.is_some() {
+            return Ok(false);
+        }
+        let row = self.row + 1;
+        let Self { controller, world, state, .. } = self;
+        let rate_hz = controller.goal().rate_hz;
+        controller.step(row, world.q(), world.v())?;
+        world.set_drives(controller.drives());
+        let t = (row - 1) as f64 / rate_hz;
+        for push in &self.pushes {
+            if t >= push.start_s - 1e-9 && t < push.start_s + push.duration_s - 1e-9 {
+                let point = state.point(&controller.model, push.link, &push.at);
+                let moment = Vec3::zeros();
+                world.add_wrench(&Wrench { link: push.link, point, force: push.force, moment });
             }
         }
-        progress(1.0);
-        let mut trace = recorder.trace;
-        trace.wall_s = started.elapsed().as_secs_f64();
-        Ok(Outcome { trace, sagging: controller.sagging(), fell_s, diverged, added_damping })
+        let mut held = None;
+        match self.root {
+            RootMode::Free => {}
+            RootMode::Assisted { force_n, moment_nm } => {
+                let budget = Budget { force_n, moment_nm };
+                let goal = controller.goal();
+                let to = (goal.pose(row), goal.velocity(row));
+                let now = (world.q(), world.v());
+                let w = assist::wrench(&controller.model, state, budget, now, to);
+                world.add_wrench(&w);
+                held = Some(w);
+            }
+            RootMode::Pinned => world.move_root(state, controller.goal().pose(row)),
+        }
+        if let Err(error) = world.step() {
+            self.diverged = Some(error);
+            return Ok(false);
+        }
+        state.update(&controller.model, world.q(), world.v());
+        self.recorder.record(state, world, controller, row, held);
+        self.row = row;
+        let pinned = self.root == RootMode::Pinned;
+        if self.fell_s.is_none() && !pinned && self.recorder.fallen(row, &self.controller) {
+            self.fell_s = Some(row as f64 / rate_hz);
+        }
+        Ok(true)
+    }
+
+    /// Everything recorded so far.
+    pub fn finish(self) -> Outcome {
+        let mut trace = self.recorder.trace;
+        trace.wall_s = self.started.elapsed().as_secs_f64();
+        let controller = self.controller;
+        let added = controller.added_damping(1.0 / (trace.rate_hz * trace.substeps as f64));
+        Outcome {
+            sagging: controller.sagging(),
+            fell_s: self.fell_s,
+            diverged: self.diverged,
+            added_damping: (added.0, controller.model.bodies[added.1].link),
+            trace,
+        }
     }
 }
 
@@ -170,7 +238,11 @@ impl Recorder {
         settings: &WorldSettings,
         root: RootMode,
         ground: Option<Ground>,
+        controller: &Controller,
     ) -> Self {
+        let (rows, nq) = (controller.goal().rows(), character.skeleton.nq());
+        let (nv, links) = (controller.model.nv(), character.bodies.len());
+        let room = |columns: usize| Vec::with_capacity(rows * columns);
         let trace = Trace {
             character: character.clone(),
             rate_hz: settings.rate_hz,
@@ -178,27 +250,27 @@ impl Recorder {
             root,
             ground_m: ground.map(|g| g.height_m),
             gravity: settings.gravity,
-            q: Vec::new(),
-            v: Vec::new(),
-            target: Vec::new(),
-            torque: Vec::new(),
-            k_lo: Vec::new(),
-            k_hi: Vec::new(),
-            kd: Vec::new(),
+            q: room(nq),
+            v: room(nv),
+            target: room(nq),
+            torque: room(nv),
+            k_lo: room(nv),
+            k_hi: room(nv),
+            kd: room(nv),
             contacts: Vec::new(),
-            root_wrench: Vec::new(),
-            com: Vec::new(),
-            momentum: Vec::new(),
-            link_com: Vec::new(),
-            energy: Vec::new(),
+            root_wrench: room(6),
+            com: room(3),
+            momentum: room(6),
+            link_com: room(3 * links),
+            energy: room(2),
             wall_s: 0.0,
         };
-        Self { trace, feet: Vec::new(), contacts: Vec::new() }
+        Self { trace, feet: controller.feet().iter().map(|f| f.body).collect(), contacts: Vec::new() }
     }
 
     fn record(
         &mut self,
-        state: &mut State,
+        state: &State,
         world: &World,
         controller: &Controller,
         row: usize,
@@ -207,9 +279,6 @@ impl Recorder {
         let model = &controller.model;
         let t = &mut self.trace;
         let nv = model.nv();
-        if row == 0 {
-            self.feet = controller.feet().iter().map(|f| f.body).collect();
-        }
         t.q.extend_from_slice(world.q());
         t.v.extend_from_slice(world.v());
         t.target.extend_from_slice(controller.goal().pose(row));
@@ -282,9 +351,12 @@ impl Recorder {
             .rev()
             .take_while(|c| c.row == row)
             .any(|c| !self.feet.contains(&model.body_of[c.link].0) && c.force.norm() > 20.0);
+        let Some(ground) = t.ground_m else { return false };
+        if !matches!(model.bodies[0].joint, Joint::Free) {
+            return other;
+        }
         let root_goal = model.skeleton.position(controller.goal().pose(row), 0).y;
         let root = model.skeleton.position(t.pose(row), 0).y;
-        let ground = t.ground_m.unwrap_or(0.0);
         other || root - ground < FALLEN * (root_goal - ground)
     }
 }

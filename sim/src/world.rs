@@ -6,7 +6,7 @@
 //!
 //! How rapier is used, and why (all measured):
 //! - Springs of the multibody joints are integrated implicitly. Their rest is re-based every step to
-//!   `coords + log(R_rest Rᵀ)`, because the coordinates of a ball joint are the running integral of ω.
+//!   `coords + torque/K`, because the coordinates of a ball joint are the running integral of ω.
 //! - Default joint damping (0.1 N·m·s/rad, root included) is set to zero.
 //! - The root's frame sits at its centre of mass: elsewhere the engine integrates the wrong point.
 //! - Coulomb friction, no contact clustering or recycling: forces are read point by point.
@@ -274,9 +274,8 @@ impl World {
                 (Joint::Prismatic(_), Rest::Scalar(rest)) => {
                     link.joint.set_spring(0, drive.stiffness, rest);
                 }
-                (Joint::Spherical, Rest::Ball(rest)) => {
-                    // the very law of the actuator: K log(R_rest Rᵀ)
-                    let error = log(&(rest * quat_at(&self.q, b.q_at).inverse()));
+                (Joint::Spherical, Rest::Ball { .. }) => {
+                    let error = drive.pull(&quat_at(&self.q, b.q_at));
                     for a in 0..3 {
                         link.joint.set_spring(3 + a, drive.stiffness, coords[3 + a] + error[a]);
                     }
@@ -293,14 +292,18 @@ impl World {
     /// read) at the end of the next step. Call before [`World::step`].
     ///
     /// The root's acceleration acts on every body as the inertial force −m(a + α × r), −Iα: exactly
-    /// the coupling −M_fr q̈_r that the engine leaves out for kinematic joints.
+    /// the coupling −M_fr q̈_r that the engine leaves out for kinematic joints. A root that is not free
+    /// stays in the hands of its own joint.
     pub fn move_root(&mut self, state: &State, q_next: &[f64]) {
         let Some(any) = self.any_joint else { return };
+        if !matches!(self.model.bodies[0].joint, Joint::Free) {
+            return;
+        }
         let dt = 1.0 / self.settings.rate_hz;
-        let root = self.model.bodies[0].clone();
+        let q_at = self.model.bodies[0].q_at;
         let at = |q: &[f64]| {
-            let r = quat_at(q, root.q_at + 3);
-            (vec_at(q, root.q_at) + r * self.root_shift, r)
+            let r = quat_at(q, q_at + 3);
+            (vec_at(q, q_at) + r * self.root_shift, r)
         };
         let ((c0, r0), (c1, r1)) = (at(&self.q), at(q_next));
         let linear = (c1 - c0) / dt;
@@ -363,7 +366,7 @@ impl World {
         mb.set_self_contacts_enabled(false);
         mb.forward_kinematics(&self.physics.bodies, true);
         mb.damping_mut().fill(0.0);
-        if self.settings.pinned {
+        if self.settings.pinned && matches!(self.model.bodies[0].joint, Joint::Free) {
             mb.root_mut().joint.kinematic = true;
         }
         self.mb_link = self

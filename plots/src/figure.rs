@@ -1,0 +1,375 @@
+//! Figures: a page as a list of marks, written as SVG and PNG by the same drawing code.
+//!
+//! In: marks in page pixels, x right, y down. Out: files. One function, generic over the plotters
+//! backend, draws both; it works at four times the page's resolution, because backends take whole
+//! pixels: the SVG maps that back by its `viewBox`, the PNG is averaged down.
+//! Same marks, same bytes.
+
+use std::io;
+use std::path::{Path, PathBuf};
+
+use plotters::backend::{BitMapBackend, DrawingBackend, SVGBackend};
+use plotters::style::text_anchor::{HPos, Pos, VPos};
+use plotters::style::{FontTransform, RGBColor, ShapeStyle, TextStyle};
+use thiserror::Error;
+
+use crate::style::{self, Color};
+
+/// A point of the page, px.
+pub type Px = [f64; 2];
+
+/// Subpixels per pixel of the page.
+const FINE: f64 = 4.0;
+
+/// Which end of a text its position is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Anchor {
+    /// Its beginning.
+    Start,
+    /// Its middle.
+    Middle,
+    /// Its end.
+    End,
+}
+
+/// One thing drawn.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Mark {
+    /// A filled polygon.
+    Fill {
+        /// Corners.
+        points: Vec<Px>,
+        /// Colour.
+        color: Color,
+    },
+    /// A line through points.
+    Line {
+        /// Points.
+        points: Vec<Px>,
+        /// Colour.
+        color: Color,
+        /// Width, px.
+        width: f64,
+    },
+    /// A text.
+    Text {
+        /// What it says.
+        text: String,
+        /// Where, on its baseline.
+        at: Px,
+        /// Em, px.
+        size: f64,
+        /// Colour.
+        color: Color,
+        /// What `at` is.
+        anchor: Anchor,
+        /// Whether it reads upwards.
+        upward: bool,
+    },
+}
+
+/// Why a figure was not written.
+#[derive(Debug, Error)]
+pub enum FigureError {
+    /// The file system said no.
+    #[error("cannot write {path}: {source}")]
+    Io {
+        /// The file.
+        path: PathBuf,
+        /// What it said.
+        source: io::Error,
+    },
+    /// The drawing or encoding failed.
+    #[error("cannot draw {path}: {reason}")]
+    Draw {
+        /// The file.
+        path: PathBuf,
+        /// What the backend said.
+        reason: String,
+    },
+}
+
+/// A page with marks on it. See the module header.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Figure {
+    /// Width, px.
+    pub width: f64,
+    /// Height, px.
+    pub height: f64,
+    /// In order of drawing.
+    pub marks: Vec<Mark>,
+}
+
+impl Figure {
+    /// An empty page; sizes are rounded up to whole pixels.
+    pub fn new(width: f64, height: f64) -> Self {
+        Self { width: width.ceil(), height: height.ceil(), marks: Vec::new() }
+    }
+
+    /// Adds a filled polygon.
+    pub fn fill(&mut self, points: Vec<Px>, color: Color) {
+        self.marks.push(Mark::Fill { points, color });
+    }
+
+    /// Adds a filled rectangle.
+    pub fn rectangle(&mut self, [x, y]: Px, [w, h]: Px, color: Color) {
+        self.fill(vec![[x, y], [x + w, y], [x + w, y + h], [x, y + h]], color);
+    }
+
+    /// Adds a disc.
+    pub fn disc(&mut self, [x, y]: Px, radius: f64, color: Color) {
+        let corner = |i: u32| {
+            let (s, c) = (f64::from(i) * std::f64::consts::TAU / 20.0).sin_cos();
+            [x + radius * c, y + radius * s]
+        };
+        self.fill((0..20).map(corner).collect(), color);
+    }
+
+    /// Adds a line; fewer than two points are nothing.
+    pub fn line(&mut self, points: Vec<Px>, color: Color, width: f64) {
+        if points.len() > 1 {
+            self.marks.push(Mark::Line { points, color, width });
+        }
+    }
+
+    /// Adds a line in strokes of `on` px with gaps of `off` px, measured along the line.
+    pub fn dashed(&mut self, points: &[Px], color: Color, width: f64, [on, off]: [f64; 2]) {
+        let Some(&first) = points.first() else { return };
+        let (mut stroke, mut drawing, mut left) = (vec![first], true, on);
+        for pair in points.windows(2) {
+            let (mut a, b) = (pair[0], pair[1]);
+            loop {
+                let length = (b[0] - a[0]).hypot(b[1] - a[1]);
+                if length <= left {
+                    left -= length;
+                    stroke.push(b);
+                    break;
+                }
+                let s = left / length;
+                a = [a[0] + (b[0] - a[0]) * s, a[1] + (b[1] - a[1]) * s];
+                stroke.push(a);
+                let done = std::mem::replace(&mut stroke, vec![a]);
+                if drawing {
+                    self.line(done, color, width);
+                }
+                drawing = !drawing;
+                left = if drawing { on } else { off };
+            }
+        }
+        if drawing {
+            self.line(stroke, color, width);
+        }
+    }
+
+    /// Adds a text whose baseline starts, is centred or ends at `at`.
+    pub fn text(&mut self, text: impl Into<String>, at: Px, size: f64, color: Color, anchor: Anchor) {
+        let text = text.into();
+        self.marks.push(Mark::Text { text, at, size, color, anchor, upward: false });
+    }
+
+    /// Adds a text that reads upwards, centred on `at`.
+    pub fn upward(&mut self, text: impl Into<String>, at: Px, size: f64, color: Color) {
+        let (text, anchor) = (text.into(), Anchor::Middle);
+        self.marks.push(Mark::Text { text, at, size, color, anchor, upward: true });
+    }
+
+    /// Rectangle `[left, top, right, bottom]` that a mark covers, px; texts by their em and measured width.
+    pub fn bounds(mark: &Mark) -> [f64; 4] {
+        match mark {
+            Mark::Fill { points, .. } => bounds_of(points, 0.0),
+            Mark::Line { points, width, .. } => bounds_of(points, width / 2.0),
+            Mark::Text { text, at, size, anchor, upward, .. } => {
+                let width = style::text_width(text, *size);
+                let start = match anchor {
+                    Anchor::Start => 0.0,
+                    Anchor::Middle => -width / 2.0,
+                    Anchor::End => -width,
+                };
+                let (up, down) = (0.76 * size, 0.24 * size);
+                if *upward {
+                    [at[0] - up, at[1] - start - width, at[0] + down, at[1] - start]
+                } else {
+                    [at[0] + start, at[1] - up, at[0] + start + width, at[1] + down]
+                }
+            }
+        }
+    }
+
+    /// The page as an SVG document.
+    ///
+    /// # Errors
+    /// `Draw`, if the backend fails.
+    pub fn svg(&self) -> Result<String, FigureError> {
+        let fine = self.fine_size();
+        let mut text = String::new();
+        let mut backend = SVGBackend::with_string(&mut text, fine);
+        let medium = Medium { baseline: 0.76, native_lines: true };
+        self.draw(&mut backend, medium).map_err(|e| draw_error(Path::new("svg"), e))?;
+        drop(backend);
+        let size = |w: f64, h: f64| format!("width=\"{w}\" height=\"{h}\"");
+        let (from, to) = (size(f64::from(fine.0), f64::from(fine.1)), size(self.width, self.height));
+        Ok(text.replacen(&from, &to, 1))
+    }
+
+    /// The page as pixels, RGB, row by row from the top.
+    ///
+    /// # Errors
+    /// `Draw`, if the backend fails.
+    pub fn pixels(&self) -> Result<Vec<u8>, FigureError> {
+        let (w, h) = self.fine_size();
+        let mut fine = vec![255; (w * h * 3) as usize];
+        let mut backend = BitMapBackend::with_buffer(&mut fine, (w, h));
+        // plotters puts the baseline half a font size below the top
+        let medium = Medium { baseline: 0.5 * style::EM, native_lines: false };
+        self.draw(&mut backend, medium).map_err(|e| draw_error(Path::new("png"), e))?;
+        drop(backend);
+        let (step, stride) = (FINE as usize, w as usize * 3);
+        let mut out = Vec::with_capacity((self.width * self.height) as usize * 3);
+        for row in 0..self.height as usize {
+            for column in 0..self.width as usize {
+                for channel in 0..3 {
+                    let mut sum = 0;
+                    for y in 0..step {
+                        let start = (row * step + y) * stride + column * step * 3 + channel;
+                        sum += (0..step).map(|x| u32::from(fine[start + 3 * x])).sum::<u32>();
+                    }
+                    let n = (step * step) as u32;
+                    out.push(((sum + n / 2) / n) as u8);
+                }
+            }
+        }
+        Ok(out)
+    }
+
+    /// Writes `<stem>.svg` and `<stem>.png` into `dir`, under temporary names first, and returns both paths.
+    ///
+    /// # Errors
+    /// `Io` or `Draw`; earlier files stay whole.
+    pub fn save(&self, dir: &Path, stem: &str) -> Result<[PathBuf; 2], FigureError> {
+        let svg = dir.join(format!("{stem}.svg"));
+        let temporary = dir.join(format!(".{stem}.tmp.svg"));
+        let written = std::fs::write(&temporary, self.svg()?);
+        replace(&temporary, &svg, written.map_err(|source| FigureError::Io { path: svg.clone(), source }))?;
+
+        let png = dir.join(format!("{stem}.png"));
+        let temporary = dir.join(format!(".{stem}.tmp.png"));
+        let (pixels, size) = (self.pixels()?, (self.width as u32, self.height as u32));
+        let mut backend = BitMapBackend::new(&temporary, size);
+        let written = backend.blit_bitmap((0, 0), size, &pixels).and_then(|()| backend.present());
+        // a backend that is dropped unsaved saves again: drop it before the file moves
+        drop(backend);
+        replace(&temporary, &png, written.map_err(|e| draw_error(&png, e)))?;
+        Ok([svg, png])
+    }
+
+    fn fine_size(&self) -> (u32, u32) {
+        ((self.width * FINE) as u32, (self.height * FINE) as u32)
+    }
+
+    fn draw<B: DrawingBackend>(&self, backend: &mut B, medium: Medium) -> Result<(), String> {
+        let (w, h) = self.fine_size();
+        backend.ensure_prepared().map_err(said)?;
+        backend.draw_rect((0, 0), (w as i32, h as i32), &rgb(style::WHITE), true).map_err(said)?;
+        for mark in &self.marks {
+            match mark {
+                Mark::Fill { points, color } => {
+                    backend.fill_polygon(points.iter().map(fine), &rgb(*color)).map_err(said)?;
+                }
+                Mark::Line { points, color, width } if medium.native_lines => {
+                    let style = ShapeStyle::from(&rgb(*color)).stroke_width((width * FINE).round() as u32);
+                    backend.draw_path(points.iter().map(fine), &style).map_err(said)?;
+                }
+                Mark::Line { points, color, width } => thick(backend, points, *color, *width)?,
+                Mark::Text { text, at, size, color, anchor, upward } => {
+                    let h_pos = match anchor {
+                        Anchor::Start => HPos::Left,
+                        Anchor::Middle => HPos::Center,
+                        Anchor::End => HPos::Right,
+                    };
+                    let mut font = style::font(size * FINE);
+                    let mut top = *at;
+                    if *upward {
+                        font = font.transform(FontTransform::Rotate270);
+                        top[0] -= medium.baseline * size;
+                    } else {
+                        top[1] -= medium.baseline * size;
+                    }
+                    let ink = rgb(*color);
+                    let style = TextStyle::from(font).color(&ink).pos(Pos::new(h_pos, VPos::Top));
+                    backend.draw_text(text, &style, fine(&top)).map_err(said)?;
+                }
+            }
+        }
+        backend.present().map_err(said)
+    }
+}
+
+/// What differs between the backends.
+#[derive(Clone, Copy)]
+struct Medium {
+    /// Height of the top anchor over the baseline, em.
+    baseline: f64,
+    /// Whether wide lines are drawn well by the backend itself.
+    native_lines: bool,
+}
+
+/// A wide line as one quadrilateral per segment and a disc per bend: the outline plotters makes of a
+/// whole dense curve crosses itself and leaves holes.
+fn thick<B: DrawingBackend>(backend: &mut B, points: &[Px], color: Color, width: f64) -> Result<(), String> {
+    let half = 0.5 * width;
+    for (i, pair) in points.windows(2).enumerate() {
+        let (a, b) = (pair[0], pair[1]);
+        let (dx, dy) = (b[0] - a[0], b[1] - a[1]);
+        let length = dx.hypot(dy);
+        if length == 0.0 {
+            continue;
+        }
+        let n = [-dy / length * half, dx / length * half];
+        let corners = [
+            [a[0] + n[0], a[1] + n[1]],
+            [b[0] + n[0], b[1] + n[1]],
+            [b[0] - n[0], b[1] - n[1]],
+            [a[0] - n[0], a[1] - n[1]],
+        ];
+        backend.fill_polygon(corners.iter().map(fine), &rgb(color)).map_err(said)?;
+        if i > 0 && width > 1.0 {
+            backend.draw_circle(fine(&a), (half * FINE) as u32, &rgb(color), true).map_err(said)?;
+        }
+    }
+    Ok(())
+}
+
+fn fine(p: &Px) -> (i32, i32) {
+    ((p[0] * FINE).round() as i32, (p[1] * FINE).round() as i32)
+}
+
+fn rgb(c: Color) -> RGBColor {
+    RGBColor(c.0, c.1, c.2)
+}
+
+fn bounds_of(points: &[Px], pad: f64) -> [f64; 4] {
+    let mut b = [f64::INFINITY, f64::INFINITY, f64::NEG_INFINITY, f64::NEG_INFINITY];
+    for p in points {
+        b = [b[0].min(p[0] - pad), b[1].min(p[1] - pad), b[2].max(p[0] + pad), b[3].max(p[1] + pad)];
+    }
+    b
+}
+
+/// plotters does not name its error type in public, so errors travel as text.
+fn said(e: impl std::fmt::Display) -> String {
+    e.to_string()
+}
+
+fn draw_error(path: &Path, e: impl std::fmt::Display) -> FigureError {
+    FigureError::Draw { path: path.to_owned(), reason: e.to_string() }
+}
+
+fn replace(temporary: &Path, path: &Path, written: Result<(), FigureError>) -> Result<(), FigureError> {
+    let done = written.and_then(|()| {
+        std::fs::rename(temporary, path).map_err(|source| FigureError::Io { path: path.to_owned(), source })
+    });
+    if done.is_err() {
+        let _ = std::fs::remove_file(temporary);
+    }
+    done
+}

@@ -1,0 +1,13 @@
+//! Laws of the dynamic pass (DESIGN §4), each measured in the simulation.
+
+mod bodies;
+mod stage;
+
+mod actuators;
+mod clips;
+mod determinism;
+mod momentum;
+mod pushes;
+mod sagging;
+mod steps;
+mod stiffness;

@@ -1,0 +1,67 @@
+//! Pushes: an impulse is an impulse, and a push in a scene is survived or ends in a reported fall.
+
+use std::sync::Arc;
+
+use dynamics::RootMode;
+use motion::Vec3;
+use sim::Push;
+
+use super::bodies::human;
+use super::stage::{bow, hold, perform, run};
+
+/// A body adrift without gravity takes up exactly the impulse of a push, and its moment.
+#[test]
+fn a_floating_body_takes_up_the_impulse() {
+    let c = Arc::new(human());
+    for (link, force) in [("chest", Vec3::new(30.0, -20.0, 10.0)), ("wrist_l", Vec3::new(0.0, 5.0, -8.0))] {
+        let link = c.skeleton.link(link).unwrap();
+        let (start_s, duration_s) = (0.2, 0.1);
+        let at = Vec3::new(0.03, 0.05, -0.02);
+        let mut pass = hold(&c, Vec3::zeros(), 2.0, 0.6);
+        pass.pushes.push(Push { link, at, force, start_s, duration_s });
+        let t = run(pass).trace;
+        let momentum = |row: usize, k: usize| motion::skeleton::vec_at(&t.momentum, 6 * row + k);
+        let last = t.rows() - 1;
+        let before = (start_s * t.rate_hz) as usize;
+        let after = ((start_s + duration_s) * t.rate_hz) as usize;
+        assert!(momentum(before, 0).norm() < 1e-12);
+        let impulse = force * duration_s;
+        let error = (momentum(after, 0) - impulse).norm() / impulse.norm();
+        println!("linear error {error:.1e}");
+        assert!(error < 0.01, "{:?} after an impulse of {impulse:?}", momentum(after, 0));
+        // moment of the push about the moving centre of mass
+        let s = &c.skeleton;
+        let spin: Vec3 = (before..after)
+            .map(|r| {
+                let k = motion::Kinematics::new(s, t.pose(r));
+                (k.point(link, &at) - t.com_at(r)).cross(&force) / t.rate_hz
+            })
+            .sum();
+        let error = (momentum(after, 3) - spin).norm() / spin.norm();
+        println!("angular error {error:.1e}");
+        assert!(error < 0.02, "{:?} after {spin:?}", momentum(after, 3));
+        // afterwards nothing acts: muscles cannot change momentum
+        let drift = (momentum(last, 0) - momentum(after, 0)).norm() / impulse.norm();
+        let turned = (momentum(last, 3) - momentum(after, 3)).norm() / spin.norm();
+        println!("drift {drift:.1e} {turned:.1e}");
+        assert!(drift < 0.01 && turned < 0.02, "{drift} {turned}");
+    }
+}
+
+/// A light push is survived; a heavy one ends in a fall, reported with a time after it.
+#[test]
+fn a_push_is_survived_or_reported() {
+    let c = Arc::new(human());
+    let mut tracks = bow(&c);
+    tracks.tracks.clear();
+    let link = c.skeleton.link("chest").unwrap();
+    for (newtons, falls) in [(60.0, false), (2000.0, true)] {
+        let mut pass = perform(&c, &tracks, RootMode::Free, 240.0, 2);
+        let force = Vec3::z() * newtons;
+        pass.pushes.push(Push { link, at: Vec3::zeros(), force, start_s: 0.5, duration_s: 0.2 });
+        let out = run(pass);
+        println!("{newtons} N: fell {:?}", out.fell_s);
+        assert_eq!(out.fell_s.is_some(), falls, "{newtons} N");
+        assert!(out.fell_s.is_none_or(|t| t > 0.5 && t < 3.0));
+    }
+}

@@ -1,0 +1,4 @@
+//! What the scenes of the library promise.
+
+mod edits_move_their_numbers;
+mod library;
