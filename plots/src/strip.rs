@@ -31,6 +31,10 @@ pub struct StripRow<'a> {
 pub struct StripOptions {
     /// Figures per row, at least 1.
     pub count: usize,
+    /// First moment shown, s.
+    pub from_s: f64,
+    /// Last moment shown, s; `None` is the end of the longest row.
+    pub to_s: Option<f64>,
     /// Width of the page, px.
     pub width: f64,
     /// Greatest height of a standing body, px.
@@ -45,7 +49,16 @@ pub struct StripOptions {
 
 impl Default for StripOptions {
     fn default() -> Self {
-        Self { count: 8, width: 1600.0, body_height: 330.0, camera: None, ground_m: None, title: None }
+        Self {
+            count: 8,
+            from_s: 0.0,
+            to_s: None,
+            width: 1600.0,
+            body_height: 330.0,
+            camera: None,
+            ground_m: None,
+            title: None,
+        }
     }
 }
 
@@ -115,7 +128,10 @@ impl Scene {
     fn new(rows: &[StripRow], character: &Character, options: &StripOptions) -> Self {
         let count = options.count.max(1);
         let end = rows.iter().map(|r| r.clip.duration_s()).fold(0.0, f64::max);
-        let times: Vec<f64> = (0..count).map(|i| end * i as f64 / (count - 1).max(1) as f64).collect();
+        let to = options.to_s.unwrap_or(end).min(end);
+        let from = options.from_s.clamp(0.0, to);
+        let step = (to - from) / (count - 1).max(1) as f64;
+        let times: Vec<f64> = (0..count).map(|i| from + step * i as f64).collect();
         let clips: Vec<&Clip> = rows.iter().map(|r| r.clip).collect();
         let forward = clips.first().map_or(0.0, |c| facing(&c.skeleton, c.pose(0)));
         let camera = options.camera.unwrap_or_else(|| Camera::watching(&clips, forward));
