@@ -59,6 +59,7 @@ pub struct Sagging {
     pub least: f64,
 }
 
+#[expect(clippy::large_enum_variant, reason = "one per joint, most are transitions")]
 enum Muscle {
     None,
     Transition(Transition),

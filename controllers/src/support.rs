@@ -58,8 +58,8 @@ pub fn polygon(feet: &[Foot], model: &Model, state: &State) -> Support {
     Support::of(corners.iter())
 }
 
-/// Nearest point to `p` that is at least `margin` (m) inside the support; its centroid where the
-/// support is narrower than that.
+/// `p` moved towards the centroid of the support until it is `margin` (m) inside; the centroid where the
+/// support is narrower than that, `p` itself where it is already inside.
 pub fn clamp_inside(support: &Support, p: Vec2, margin: f64) -> Vec2 {
     let Some(center) = support.centroid() else { return p };
     if support.margin(&p) >= margin {
@@ -111,4 +111,45 @@ pub fn wrenches(feet: &[Foot], model: &Model, state: &State, cop: Vec2, force: V
             moment: Vec3::zeros(),
         })
         .collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn sole() -> Support {
+        let corners = [(0.0, 0.0), (0.1, 0.0), (0.12, 0.25), (-0.01, 0.25)];
+        Support::of_plane(corners.map(|(x, z)| Vec2::new(x, z)).to_vec())
+    }
+
+    /// What is inside stays to the bit; what is outside ends on the margin, on its line to the centroid.
+    #[test]
+    fn clamping_ends_on_the_margin() {
+        let sole = sole();
+        let (margin, center) = (0.02, sole.centroid().unwrap());
+        for i in 0..200 {
+            let f = f64::from(i);
+            let p = center + Vec2::new((f * 0.7).sin(), (f * 1.3).cos()) * (0.002 * f);
+            let c = clamp_inside(&sole, p, margin);
+            if sole.margin(&p) >= margin {
+                assert_eq!(c, p);
+            } else {
+                assert!((sole.margin(&c) - margin).abs() < 1e-9, "{p} {}", sole.margin(&c));
+                let (a, b) = (c - center, p - center);
+                assert!(a.perp(&b).abs() < 1e-12 && a.dot(&b) > 0.0);
+                assert!((clamp_inside(&sole, c, margin) - c).norm() < 1e-9);
+            }
+        }
+    }
+
+    /// A support narrower than its margin, an edge or nothing: the best there is.
+    #[test]
+    fn a_narrow_support_gives_its_centroid() {
+        let sole = sole();
+        let far = Vec2::new(1.0, 1.0);
+        assert_eq!(clamp_inside(&sole, far, 0.2), sole.centroid().unwrap());
+        let edge = Support::of_plane(vec![Vec2::zeros(), Vec2::new(0.2, 0.0)]);
+        assert_eq!(clamp_inside(&edge, far, 0.01), Vec2::new(0.1, 0.0));
+        assert_eq!(clamp_inside(&Support::default(), far, 0.01), far);
+    }
 }

@@ -349,7 +349,7 @@ impl World {
         for b in &self.model.bodies {
             let q = &self.q[b.q_at..b.q_at + b.joint.nq()];
             let v = &self.v[b.v_at..b.v_at + b.joint.nv()];
-            if q.iter().any(|x| !x.is_finite()) || v.iter().any(|x| !(x.abs() < RUNAWAY)) {
+            if q.iter().any(|x| !x.is_finite()) || v.iter().any(|x| x.is_nan() || x.abs() >= RUNAWAY) {
                 return Err(WorldError::Diverged {
                     step: self.steps,
                     time_s: self.steps as f64 / self.settings.rate_hz,

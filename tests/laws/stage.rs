@@ -19,9 +19,14 @@ pub fn gravity() -> Vec3 {
 
 /// Holds the rest pose of `c` for `seconds`; nothing holds the root, there is no ground.
 pub fn hold(c: &Arc<Character>, gravity: Vec3, tension: f64, seconds: f64) -> Pass {
-    let frames = (seconds * RATE_HZ).round() as usize + 1;
-    let clip = Clip::new(c.skeleton.clone(), RATE_HZ, c.rest.repeat(frames));
-    follow(c, &clip, gravity, tension, RATE_HZ)
+    hold_at(c, gravity, tension, seconds, RATE_HZ)
+}
+
+/// The same at another rate.
+pub fn hold_at(c: &Arc<Character>, gravity: Vec3, tension: f64, seconds: f64, rate_hz: f64) -> Pass {
+    let frames = (seconds * rate_hz).round() as usize + 1;
+    let clip = Clip::new(c.skeleton.clone(), rate_hz, c.rest.repeat(frames));
+    follow(c, &clip, gravity, tension, rate_hz)
 }
 
 /// Follows `clip` with one substep; nothing holds the root, there is no ground.

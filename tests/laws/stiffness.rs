@@ -13,8 +13,10 @@ use nalgebra::DMatrix;
 use sim::Push;
 
 use super::bodies::{human, locked, poses, rods};
-use super::stage::{gravity, hold, run};
+use super::stage::{gravity, hold, hold_at, run};
 
+/// Where a limb comes to rest does not depend on the step.
+const RATE_HZ: f64 = 60.0;
 /// How long a limb gets to come to rest, s.
 const SETTLE_S: f64 = 20.0;
 /// Turn a push asks for, rad: small enough to be linear, large against rounding.
@@ -51,7 +53,7 @@ fn measure(c: &Arc<Character>, gravity: Vec3, tension: f64) -> Held {
         }
     };
     let rest = |push: Option<Push>| {
-        let mut pass = hold(c, gravity, tension, SETTLE_S);
+        let mut pass = hold_at(c, gravity, tension, SETTLE_S, RATE_HZ);
         pass.pushes.extend(push);
         let trace = run(pass).trace;
         let last = trace.rows() - 1;
