@@ -82,9 +82,10 @@ fn the_bow() {
 fn the_same_bytes_everywhere() {
     let (here, there) = (Place::new(), Place::new());
     let scene = here.scene("", "");
-    assert_eq!(here.render(&scene, &[]).code, 0);
+    let drawn = here.run(&["render", scene.to_str().unwrap(), "--out", "out"]);
+    assert_eq!(drawn.code, 0, "{}", drawn.stderr);
     let done = Command::new(env!("CARGO_BIN_EXE_contrapposto"))
-        .args(["render", "scene.ron", "--no-plots", "--out"])
+        .args(["render", "scene.ron", "--out"])
         .arg(there.at("deep/er/out"))
         .current_dir(scene.parent().unwrap())
         .env("LC_ALL", "de_DE.UTF-8")
@@ -96,6 +97,7 @@ fn the_same_bytes_everywhere() {
     assert_eq!(Done::of(&done).code, 0);
     let (a, b) = (here.files("out"), there.files("deep/er/out"));
     assert_eq!(a.len(), b.len());
+    assert!(a.iter().any(|(name, _)| name == "plots/strip_edited.png"));
     for ((name, a), (other, b)) in a.iter().zip(&b) {
         assert_eq!(name, other);
         if name == "report.json" {
@@ -118,12 +120,14 @@ fn the_same_bytes_everywhere() {
 fn kinematic_output_replaces_dynamic_output() {
     let place = Place::new();
     let scene = place.scene("", "");
-    assert_eq!(place.render(&scene, &[]).code, 0);
+    assert_eq!(place.run(&["render", scene.to_str().unwrap(), "--out", "out"]).code, 0);
+    assert!(place.at("out/plots/strip_dynamic.svg").exists());
     place.write("out/notes.txt", "mine");
+    place.write("out/plots/mine.svg", "mine");
     let done = place.render(&scene, &["--kinematic"]);
     assert_eq!(done.code, 0, "{}", done.stderr);
     let names: Vec<String> = place.files("out").into_iter().map(|(name, _)| name).collect();
-    assert_eq!(names, ["kinematic.bvh", "kinematic.glb", "notes.txt", "report.json"]);
+    assert_eq!(names, ["kinematic.bvh", "kinematic.glb", "notes.txt", "plots/mine.svg", "report.json"]);
     assert!(report(&place, "out").get("dynamic").is_none());
     assert!(gltf::Gltf::open(place.at("out/kinematic.glb")).is_ok());
 }
