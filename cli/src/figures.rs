@@ -10,8 +10,22 @@ const STRIP_EDITED: &str = "strip_edited";
 /// The motion asked for, above the one performed.
 const STRIP_DYNAMIC: &str = "strip_dynamic";
 
+/// A figure of the trace alone: its name and who draws it.
+type OfTrace = (&'static str, fn(&scenes::Trace, &str) -> Figure);
+
+/// Figures of what was performed.
+const OF_TRACE: &[OfTrace] = &[
+    ("joint_angles", plots::joint_angles),
+    ("gains_and_torques", plots::gains_and_torques),
+    ("contact_forces", plots::contact_forces),
+    ("center_of_mass", plots::center_of_mass),
+    ("momentum_residual", plots::momentum_residual),
+];
+
 /// Names of all figures a run may get.
-pub const STEMS: &[&str] = &[STRIP_EDITED, STRIP_DYNAMIC];
+pub fn stems() -> impl Iterator<Item = &'static str> {
+    [STRIP_EDITED, STRIP_DYNAMIC].into_iter().chain(OF_TRACE.iter().map(|(stem, _)| *stem))
+}
 
 /// Takes a figure: its name, how to draw it.
 type Draw<'a> = (&'static str, Box<dyn Fn() -> Figure + 'a>);
@@ -31,6 +45,9 @@ pub fn draw(
     }
     if let Some(outcome) = outcome {
         figures.push((STRIP_DYNAMIC, Box::new(|| strip_of_run(stage, outcome))));
+        for &(stem, draw) in OF_TRACE {
+            figures.push((stem, Box::new(move || draw(&outcome.trace, &note(stage, outcome)))));
+        }
     }
     let count = figures.len() as f64;
     for (i, (stem, figure)) in figures.iter().enumerate() {
@@ -54,9 +71,19 @@ fn strip_of_run(stage: &Stage, outcome: &Outcome) -> Figure {
         StripRow { label: "kinematic", clip: &stage.kinematic },
         StripRow { label: "dynamic", clip: &performed },
     ];
+    film_strip_with(&rows, &stage.character, &note(stage, outcome), &options(stage))
+}
+
+/// What a figure should say under its title.
+fn note(stage: &Stage, outcome: &Outcome) -> String {
+    let t = &outcome.trace;
+    let root = match t.root {
+        scenes::RootMode::Free => "free",
+        scenes::RootMode::Assisted { .. } => "assisted",
+        scenes::RootMode::Pinned => "pinned",
+    };
     let tension = stage.physics.tension;
-    let note = format!("{}: tension {tension}, {} Hz", stage.name, outcome.trace.rate_hz);
-    film_strip_with(&rows, &stage.character, &note, &options(stage))
+    format!("{}: tension {tension}, root {root}, {} Hz, {} substeps", stage.name, t.rate_hz, t.substeps)
 }
 
 /// As the scene wants its strips.
