@@ -1,4 +1,99 @@
 //! Which figures a run gets.
 
+use plots::{Figure, StripOptions, StripRow, film_strip_with};
+use scenes::{Outcome, Stage};
+
+use crate::failure::Failure;
+
+/// The motion asked for without its edits, above the same with them.
+const STRIP_EDITED: &str = "strip_edited";
+/// The motion asked for, above the one performed.
+const STRIP_DYNAMIC: &str = "strip_dynamic";
+
+/// A figure of the trace alone: its name and who draws it.
+type OfTrace = (&'static str, fn(&scenes::Trace, &str) -> Figure);
+
+/// Figures of what was performed.
+const OF_TRACE: &[OfTrace] = &[
+    ("joint_angles", plots::joint_angles),
+    ("gains_and_torques", plots::gains_and_torques),
+    ("contact_forces", plots::contact_forces),
+    ("center_of_mass", plots::center_of_mass),
+    ("momentum_residual", plots::momentum_residual),
+];
+
 /// Names of all figures a run may get.
-pub const STEMS: &[&str] = &[];
+pub fn stems() -> impl Iterator<Item = &'static str> {
+    [STRIP_EDITED, STRIP_DYNAMIC].into_iter().chain(OF_TRACE.iter().map(|(stem, _)| *stem))
+}
+
+/// Takes a figure: its name, how to draw it.
+type Draw<'a> = (&'static str, Box<dyn Fn() -> Figure + 'a>);
+
+/// Draws the figures of a run one by one; `save` gets the name, the figure and the fraction done.
+///
+/// # Errors
+/// Those of `save`.
+pub fn draw(
+    stage: &Stage,
+    outcome: Option<&Outcome>,
+    save: &mut dyn FnMut(&str, &Figure, f64) -> Result<(), Failure>,
+) -> Result<(), Failure> {
+    let mut figures: Vec<Draw> = Vec::new();
+    if !stage.log.edits().is_empty() {
+        figures.push((STRIP_EDITED, Box::new(|| strip_of_edits(stage))));
+    }
+    if let Some(outcome) = outcome {
+        figures.push((STRIP_DYNAMIC, Box::new(|| strip_of_run(stage, outcome))));
+        for &(stem, draw) in OF_TRACE {
+            figures.push((stem, Box::new(move || draw(&outcome.trace, &note(stage, outcome)))));
+        }
+    }
+    let count = figures.len() as f64;
+    for (i, (stem, figure)) in figures.iter().enumerate() {
+        save(stem, &figure(), (i + 1) as f64 / count)?;
+    }
+    Ok(())
+}
+
+fn strip_of_edits(stage: &Stage) -> Figure {
+    let rows = [
+        StripRow { label: "unedited", clip: &stage.unedited },
+        StripRow { label: "edited", clip: &stage.kinematic },
+    ];
+    let note = format!("{}: {}", stage.name, stage.log.edits().join(", then "));
+    film_strip_with(&rows, &stage.character, &note, &options(stage))
+}
+
+fn strip_of_run(stage: &Stage, outcome: &Outcome) -> Figure {
+    let performed = stage.at_frames(&outcome.trace.clip());
+    let rows = [
+        StripRow { label: "kinematic", clip: &stage.kinematic },
+        StripRow { label: "dynamic", clip: &performed },
+    ];
+    film_strip_with(&rows, &stage.character, &note(stage, outcome), &options(stage))
+}
+
+/// What a figure should say under its title.
+fn note(stage: &Stage, outcome: &Outcome) -> String {
+    let t = &outcome.trace;
+    let root = match t.root {
+        scenes::RootMode::Free => "free",
+        scenes::RootMode::Assisted { .. } => "assisted",
+        scenes::RootMode::Pinned => "pinned",
+    };
+    let tension = stage.physics.tension;
+    format!("{}: tension {tension}, root {root}, {} Hz, {} substeps", stage.name, t.rate_hz, t.substeps)
+}
+
+/// As the scene wants its strips.
+fn options(stage: &Stage) -> StripOptions {
+    let strip = &stage.strip;
+    StripOptions {
+        count: strip.figures,
+        from_s: strip.from_s,
+        to_s: strip.to_s,
+        ground_m: stage.physics.ground.map(|g| g.height_m),
+        ..StripOptions::default()
+    }
+}

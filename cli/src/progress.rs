@@ -24,6 +24,9 @@ impl Progress {
     /// Begins a part of the work.
     pub fn part(&mut self, what: &'static str) {
         self.what = what;
+        if let Some(bar) = &self.bar {
+            bar.set_message(what);
+        }
         self.at(0.0);
     }
 
@@ -36,8 +39,9 @@ impl Progress {
             let bar = ProgressBar::with_draw_target(Some(STEPS), ProgressDrawTarget::stderr());
             let style = ProgressStyle::with_template("{msg:>10} [{bar:40}] {percent:>3} %  {elapsed}");
             bar.with_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()).progress_chars("=> "))
+                .with_message(self.what)
+                .with_elapsed(self.started.elapsed())
         });
-        bar.set_message(self.what);
         bar.set_position((fraction.clamp(0.0, 1.0) * STEPS as f64) as u64);
     }
 }

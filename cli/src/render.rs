@@ -11,7 +11,7 @@ use crate::args::RenderArgs;
 use crate::failure::Failure;
 use crate::output::{self, Output};
 use crate::progress::Progress;
-use crate::summary;
+use crate::{figures, summary};
 
 /// Runs the command.
 ///
@@ -46,7 +46,19 @@ pub fn run(args: &RenderArgs) -> Result<(), Failure> {
             outcome.trace.save_npz(&path).map_err(|e| cannot_write("trace.npz", &e))?;
         }
     }
-    //PLOTS
+    if !args.no_plots {
+        progress.part("drawing");
+        let plots = folder.dir.join(output::PLOTS);
+        std::fs::create_dir(&plots).map_err(|e| cannot_write(output::PLOTS, &e))?;
+        figures::draw(&stage, outcome.as_ref(), &mut |stem, figure, done| {
+            figure.save(&plots, stem).map_err(Failure::run)?;
+            for kind in ["svg", "png"] {
+                folder.add(&format!("{stem}_{kind}"), &format!("{}/{stem}.{kind}", output::PLOTS));
+            }
+            progress.at(done);
+            Ok(())
+        })?;
+    }
     folder.add("report_json", "report.json");
     report.files = folder.files;
     let json = report.to_json();

@@ -7,7 +7,7 @@
 use std::ops::Range;
 use std::sync::Arc;
 
-use motion::{Clip, Joint, Skeleton};
+use motion::{Clip, Joint, Link, Skeleton};
 use thiserror::Error;
 
 /// Why two skeletons cannot be mapped.
@@ -23,16 +23,30 @@ pub enum PoseMapError {
     },
     /// A link of another name or joint.
     #[error(
-        "link {index} is `{clip}` in the clip and `{character}` in the character: name, parent and joint must agree, except that the character's may be welded"
+        "link {index} is {clip} in the clip and {character} in the character: name, parent and joint must agree, except that the character's may be welded"
     )]
     Link {
         /// Index of the link.
         index: usize,
-        /// Name in the clip.
+        /// Name, joint and parent in the clip.
         clip: String,
-        /// Name in the character.
+        /// Name, joint and parent in the character.
         character: String,
     },
+}
+
+fn described(links: &[Link], i: usize) -> String {
+    let joint = match links[i].joint {
+        Joint::Free => "free",
+        Joint::Spherical => "a ball",
+        Joint::Revolute(_) => "a hinge",
+        Joint::Prismatic(_) => "a slide",
+        Joint::Fixed => "welded",
+    };
+    match links[i].parent {
+        Some(p) => format!("`{}` ({joint} on `{}`)", links[i].name, links[p].name),
+        None => format!("`{}` ({joint})", links[i].name),
+    }
 }
 
 /// Copies joint values between two layouts. See the module header.
@@ -62,8 +76,8 @@ impl PoseMap {
             {
                 return Err(PoseMapError::Link {
                     index: i,
-                    clip: a[i].name.clone(),
-                    character: b[i].name.clone(),
+                    clip: described(a, i),
+                    character: described(b, i),
                 });
             }
             if same_joint && a[i].joint.nq() > 0 {
@@ -111,7 +125,7 @@ impl PoseMap {
 
 #[cfg(test)]
 mod tests {
-    use motion::{Link, Vec3};
+    use motion::Vec3;
 
     use super::*;
 

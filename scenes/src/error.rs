@@ -94,27 +94,17 @@ impl Source {
     pub fn parse<T: DeserializeOwned>(&self) -> Result<T, SceneError> {
         let options =
             ron::Options::default().with_default_extension(ron::extensions::Extensions::IMPLICIT_SOME);
-        options.from_str(&self.text).map_err(|e| SceneError {
-            path: self.path.clone(),
-            place: Some((e.span.start.line, e.span.start.col)),
-            message: self.with_found(e.code.to_string(), e.span.start.line, e.span.start.col),
-            help: None,
+        options.from_str(&self.text).map_err(|e| {
+            let (line, column) = (e.span.start.line, e.span.start.col);
+            let text = self.text.lines().nth(line.saturating_sub(1)).unwrap_or_default();
+            let rest: String = text.chars().skip(column.saturating_sub(1)).collect();
+            // RON points before the blanks of the value
+            let blanks = rest.chars().take_while(|c| c.is_whitespace()).count();
+            let found = rest.trim_start();
+            let column = if found.is_empty() { column } else { column + blanks };
+            let message = with_found(e.code.to_string(), found);
+            SceneError { path: self.path.clone(), place: Some((line, column)), message, help: None }
         })
-    }
-
-    /// RON says what it expected; this adds what stands there.
-    fn with_found(&self, message: String, line: usize, column: usize) -> String {
-        if !message.starts_with("Expected") && message != "Integer is out of bounds" {
-            return message;
-        }
-        let rest = self.text.lines().nth(line.saturating_sub(1)).unwrap_or_default();
-        let rest: String = rest.chars().skip(column.saturating_sub(1)).take(40).collect();
-        let rest = rest.trim_start();
-        let end = rest.find([',', ')', ']', '}']).filter(|&i| i > 0).unwrap_or(rest.len());
-        match rest[..end].trim_end() {
-            "" => format!("{message}; found the end of the line or file"),
-            found => format!("{message}; found `{found}`"),
-        }
     }
 
     /// An error at the value with this path, see [`SourceMap`].
@@ -146,6 +136,18 @@ impl Source {
                 self.error(at, format!("unknown {kind} `{name}`{within}; known are {}", list.join(", ")))
             }
         }
+    }
+}
+
+/// RON says what it expected; this adds what stands there.
+fn with_found(message: String, rest_of_line: &str) -> String {
+    if !message.starts_with("Expected") && message != "Integer is out of bounds" {
+        return message;
+    }
+    let end = rest_of_line.find([',', ')', ']', '}']).filter(|&i| i > 0).unwrap_or(rest_of_line.len());
+    match rest_of_line[..end].trim_end() {
+        "" => format!("{message}; found the end of the line or file"),
+        found => format!("{message}; found `{}`", found.chars().take(40).collect::<String>()),
     }
 }
 

@@ -1,6 +1,6 @@
 //! The numbers of a run, as `report.json` gives them.
 //!
-//! In: a [`Stage`] and, unless only previewed, its [`Outcome`](sim::Outcome). Out: a [`Report`] that
+//! In: a [`Stage`] and, unless only previewed, its [`Outcome`]. Out: a [`Report`] that
 //! serialises to JSON. Every unit is in its field's name. The schema is documented in `docs/REPORT.md`:
 //! fields are only ever added.
 

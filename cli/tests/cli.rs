@@ -1,0 +1,14 @@
+//! The command from outside: exit codes, messages, files.
+
+#[path = "cli/bad_input.rs"]
+mod bad_input;
+#[path = "cli/convert.rs"]
+mod convert;
+#[path = "cli/inspect.rs"]
+mod inspect;
+#[path = "cli/place.rs"]
+mod place;
+#[path = "cli/render.rs"]
+mod render;
+#[path = "cli/report.rs"]
+mod report;

@@ -1,0 +1,228 @@
+//! Bad input: exit code 2, one block that says what was found, what is allowed and where; earlier
+//! output stays as it was.
+
+use std::path::Path;
+
+use crate::place::{Place, human, root};
+
+/// Renders and expects a refusal with these words; what lies in the output folder must not change.
+fn refused(place: &Place, input: &Path, options: &[&str], words: &[&str]) {
+    place.write("out/kinematic.bvh", "earlier");
+    place.write("out/report.json", "earlier");
+    place.write("out/notes.txt", "mine");
+    let before = place.files("out");
+    let done = place.render(input, options);
+    assert_eq!(done.code, 2, "{words:?}: {}", done.stderr);
+    assert_eq!(done.stdout, "", "{words:?}");
+    assert_eq!(done.stderr.matches("error:").count(), 1, "{}", done.stderr);
+    for word in words {
+        assert!(done.stderr.contains(word), "`{word}` is not in\n{}", done.stderr);
+    }
+    assert!(!done.stderr.contains("panicked"), "{}", done.stderr);
+    assert!(place.files("out") == before, "{words:?}: the output folder changed");
+}
+
+#[track_caller]
+fn bad_scene(from: &str, to: &str, words: &[&str]) {
+    let place = Place::new();
+    let scene = place.scene(from, to);
+    refused(&place, &scene, &[], words);
+}
+
+#[track_caller]
+fn bad_character(from: &str, to: &str, words: &[&str]) {
+    let place = Place::new();
+    let scene = place.scene_with_character(from, to);
+    refused(&place, &scene, &[], words);
+}
+
+#[track_caller]
+fn bad_clip(from: &str, to: &str, words: &[&str]) {
+    let place = Place::new();
+    let clip = place.clip(from, to);
+    refused(&place, &clip, &[], words);
+}
+
+#[test]
+fn files_that_are_not_there() {
+    let place = Place::new();
+    for name in ["missing.ron", "missing.bvh"] {
+        refused(&place, Path::new(name), &[], &["cannot read", name]);
+    }
+    bad_scene(
+        "characters/human.ron",
+        "characters/nobody.ron",
+        &["nobody.ron", "does not exist", "scene.ron:2:"],
+    );
+    let clip = place.clip("", "");
+    refused(&place, &clip, &["--body", "nobody.ron"], &["cannot read", "nobody.ron"]);
+}
+
+#[test]
+fn files_of_another_kind() {
+    let place = Place::new();
+    let path = place.write("walk.fbx", "Kaydara");
+    refused(&place, &path, &[], &["walk.fbx", ".ron", ".bvh"]);
+    let path = place.write("bvh.ron", "HIERARCHY\nROOT Hips\n");
+    refused(&place, &path, &[], &["Scene", "bvh.ron:1:1"]);
+    let path = place.write("ron.bvh", "Scene()");
+    refused(&place, &path, &[], &["HIERARCHY", "ron.bvh:1:1"]);
+    let path = place.at("folder.bvh");
+    std::fs::create_dir(&path).unwrap();
+    refused(&place, &path, &[], &["folder.bvh"]);
+}
+
+#[test]
+fn a_joint_that_does_not_exist_is_met_with_the_nearest_name() {
+    let words = ["unknown joint `elbw_r`", "did you mean `elbow_r`?", "scene.ron:8:17"];
+    bad_scene("\"elbow_r\": 20", "\"elbw_r\": 20", &words);
+    bad_scene("parts: [\"elbow_r\"]", "parts: [\"elbw_r\"]", &["elbw_r", "elbow_r", "scene.ron:14:"]);
+    bad_scene("Amplitude(on: \"bow\"", "Amplitude(on: \"bwo\"", &["bwo", "bow", "scene.ron:14:"]);
+}
+
+#[test]
+fn unknown_fields_and_wrong_types() {
+    bad_scene("rate_hz: 60", "rate: 60", &["`rate`", "`rate_hz`", "scene.ron:3:"]);
+    bad_scene("rate_hz: 60", "rate_hz: \"fast\"", &["Expected float", "`\"fast\"`", "scene.ron:3:14"]);
+    bad_scene("Succession(", "Sucession(", &["`Sucession`", "`Succession`", "scene.ron:13:"]);
+    bad_scene("root: Free", "root: Loose", &["`Loose`", "`Free`", "scene.ron:17:"]);
+    bad_scene("\"elbow_r\": 20", "\"elbow_r\": (1, 2, 3)", &["elbow_r", "scene.ron:8:"]);
+}
+
+#[test]
+fn numbers_out_of_range() {
+    bad_scene(
+        "duration_s: 0.3",
+        "duration_s: -0.3",
+        &["duration_s is -0.3 s", "allowed: 0 to", "scene.ron:6:30"],
+    );
+    bad_scene("hold_s: 0.1", "hold_s: NaN", &["hold_s is NaN", "allowed", "scene.ron:6:"]);
+    bad_scene("\"elbow_r\": 20", "\"elbow_r\": NaN", &["NaN", "allowed", "scene.ron:8:"]);
+    bad_scene("(12, 0, 0)", "(12, inf, 0)", &["inf", "allowed", "scene.ron:7:"]);
+    bad_scene("offset_s: 0.05", "offset_s: -1", &["offset_s is -1", "allowed", "scene.ron:13:"]);
+    bad_scene("factor: 1.2", "factor: 0", &["factor is 0", "allowed", "scene.ron:14:"]);
+    bad_scene("rate_hz: 60", "rate_hz: 0", &["rate_hz is 0 Hz", "allowed: 1 to 1000", "scene.ron:3:"]);
+}
+
+/// Counts that would fill the memory are refused before it is filled.
+#[test]
+fn absurd_counts() {
+    bad_scene("Cycle(", "Cycle(repetitions: 99999999, ", &["99999999 repetitions", "allowed: 1 to 10000"]);
+    bad_scene("Cycle(", "Cycle(repetitions: 1e30, ", &["scene.ron:5:"]);
+    bad_scene("settle_s: 0.2", "settle_s: 3600", &["3600.", "240 Hz", "allowed: up to 2083 s"]);
+    bad_scene("offset_s: 0.05", "offset_s: 1e300", &["1e300 s", "allowed"]);
+    bad_scene("settle_s: 0.2", "settle_s: 0.2, strip: (figures: 100000)", &["100000 figures", "2 to 40"]);
+    let place = Place::new();
+    let scene = place.scene("settle_s: 0.2", "settle_s: 100");
+    refused(&place, &scene, &["--rate", "20000"], &["20000 Hz", "allowed: up to 25 s"]);
+}
+
+#[test]
+fn characters_that_cannot_be() {
+    let place = "characters/human.ron:";
+    bad_character(
+        "limits_deg: Hinge(0, 150)",
+        "limits_deg: Hinge(150, 0)",
+        &["from 150° to 0°", "below", place],
+    );
+    let mass = human().split("mass_kg: ").nth(1).unwrap().split(',').next().unwrap().to_owned();
+    for bad in ["0", "-1", "NaN"] {
+        let words = ["`pelvis`", &format!("{bad} kg"), "positive", place];
+        bad_character(&format!("mass_kg: {mass}"), &format!("mass_kg: {bad}"), &words);
+    }
+    bad_character("parent: \"pelvis\"", "parent: \"head\"", &["circle", "`head`", place]);
+    bad_character("parent: \"pelvis\"", "parent: \"pelvs\"", &["`pelvs`", "did you mean `pelvis`?", place]);
+    bad_character("joint: Free,", "joint: Free, rotation_deg: (0, 20, 0),", &["pelvis", "zero frame", place]);
+}
+
+#[test]
+fn clips_that_cannot_be_read() {
+    let place = Place::new();
+    let whole = std::fs::read_to_string(place.clip("", "")).unwrap();
+    let cut = place.write("cut.bvh", &whole[..whole.len() * 3 / 4]);
+    refused(&place, &cut, &[], &["frames of", "the file ends after", "cut.bvh:"]);
+    let cut = place.write("cut.bvh", &whole[..400]);
+    refused(&place, &cut, &[], &["cut.bvh:"]);
+    let empty = place.write("empty.bvh", "");
+    refused(&place, &empty, &[], &["empty", "HIERARCHY", "empty.bvh:1:1"]);
+    bad_clip("Frames: ", "Frames: 9999999999", &["values are stated", "clip.bvh:"]);
+    bad_clip("Frames: ", "Frames: -", &["Frames: `-", "whole number", "clip.bvh:"]);
+    bad_clip("Frame Time: 0", "Frame Time: -0", &["Frame Time", "expected", "clip.bvh:"]);
+    bad_clip("OFFSET 0", "OFFSET NaN 0", &["NaN", "not a finite number", "clip.bvh:"]);
+    bad_clip("CHANNELS 3", "CHANNELS 300", &["300", "0 to 6", "clip.bvh:"]);
+}
+
+/// A skeleton whose names say nothing has no body; the message says how to give one.
+#[test]
+fn a_clip_without_a_human() {
+    let place = Place::new();
+    let text = std::fs::read_to_string(place.clip("", "")).unwrap();
+    let mut count = 0;
+    let nameless: Vec<String> = text
+        .lines()
+        .map(|line| match line.trim_start().split_once(' ') {
+            Some((word @ ("ROOT" | "JOINT"), _)) => {
+                count += 1;
+                format!("{word} thing_{count}")
+            }
+            _ => line.to_owned(),
+        })
+        .collect();
+    let clip = place.write("lamp.bvh", &nameless.join("\n"));
+    refused(&place, &clip, &[], &["lamp.bvh", "not a human-like skeleton", "--body"]);
+    let whole = place.clip("", "");
+    let body = root().join("scenes/characters/human.ron");
+    let words = ["does not fit", "`elbow_l` (a ball on `shoulder_l`)", "`elbow_l` (a hinge on `shoulder_l`)"];
+    refused(&place, &whole, &["--body", body.to_str().unwrap()], &words);
+}
+
+#[test]
+fn arguments_out_of_range() {
+    let place = Place::new();
+    let scene = place.scene("", "");
+    let cases: [(&[&str], &[&str]); 12] = [
+        (&["--root", "loose"], &["--root", "loose", "free, pinned, assisted"]),
+        (&["--root", "assisted:80"], &["assisted:FORCE_N,MOMENT_NM"]),
+        (&["--tension", "0"], &["--tension", "allowed: 0.001 to 1000"]),
+        (&["--tension", "NaN"], &["--tension", "allowed"]),
+        (&["--tension", "stiff"], &["stiff", "not a number"]),
+        (&["--rate", "1"], &["--rate", "allowed: 30 to 20000 Hz"]),
+        (&["--substeps", "0"], &["--substeps", "1 to 64"]),
+        (&["--substeps", "-3"], &["--substeps", "1 to 64"]),
+        (&["--units", "0"], &["--units", "allowed"]),
+        (&["--up", "x"], &["--up", "y, z"]),
+        (&["--units", "0.01"], &["--units is for clips"]),
+        (&["--body", "characters/human.ron"], &["--body is for clips"]),
+    ];
+    for (options, words) in cases {
+        refused(&place, &scene, options, words);
+    }
+    assert_eq!(place.run(&["perform"]).code, 2);
+    assert_eq!(place.run(&[]).code, 2);
+}
+
+/// The other commands refuse bad input alike.
+#[test]
+fn inspect_and_convert_refuse_too() {
+    let place = Place::new();
+    let scene = place.scene("\"elbow_r\": 20", "\"elbw_r\": 20");
+    let scene = scene.to_str().unwrap();
+    for args in [vec!["inspect", scene], vec!["convert", scene, "x.bvh"], vec!["inspect", "missing.bvh"]] {
+        let done = place.run(&args);
+        assert_eq!(done.code, 2, "{args:?}");
+        assert!(done.stdout.is_empty() && done.stderr.starts_with("error: "), "{}", done.stderr);
+    }
+    let clip = place.clip("", "");
+    let clip = clip.to_str().unwrap();
+    for (args, word) in [
+        (vec!["convert", clip, "x.fbx"], "allowed: .bvh, .glb"),
+        (vec!["convert", clip, "x.glb", "--out-units", "1"], "--out-units"),
+        (vec!["convert", clip, "x.bvh", "--rate", "0"], "allowed: 1 to 1000 Hz"),
+        (vec!["inspect", clip, "--units", "tall"], "not a number"),
+    ] {
+        let done = place.run(&args);
+        assert_eq!(done.code, 2, "{args:?}");
+        assert!(done.stderr.contains(word), "{}", done.stderr);
+    }
+    assert!(!place.at("x.bvh").exists() && !place.at("x.glb").exists() && !place.at("x.fbx").exists());
+}

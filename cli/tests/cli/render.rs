@@ -1,0 +1,241 @@
+//! `render` from end to end.
+
+use std::process::Command;
+
+use crate::place::{Done, Place, root};
+
+/// A file's numbers by a path such as `dynamic.root.mode`.
+fn field<'a>(report: &'a serde_json::Value, path: &str) -> &'a serde_json::Value {
+    path.split('.').fold(report, |v, key| v.get(key).unwrap_or_else(|| panic!("no {path} in the report")))
+}
+
+fn report(place: &Place, folder: &str) -> serde_json::Value {
+    serde_json::from_slice(&std::fs::read(place.at(folder).join("report.json")).unwrap()).unwrap()
+}
+
+/// The first scene a newcomer renders: files, numbers, and forces that explain the motion.
+#[test]
+fn the_bow() {
+    let place = Place::new();
+    let bow = root().join("scenes/bow.ron").canonicalize().unwrap();
+    let done = place.render(&bow, &[]);
+    assert_eq!(done.code, 0, "{}", done.stderr);
+    assert!(done.stdout.contains("root") && done.stdout.contains("free"), "{}", done.stdout);
+    let names: Vec<String> = place.files("out").into_iter().map(|(name, _)| name).collect();
+    assert_eq!(names, ["dynamic.bvh", "dynamic.glb", "kinematic.bvh", "report.json", "trace.npz"]);
+
+    let r = report(&place, "out");
+    for path in [
+        "scene",
+        "frames",
+        "rate_hz",
+        "duration_s",
+        "character.links",
+        "character.dof",
+        "character.mass_kg",
+        "kinematic.feet.slip_mm_max",
+        "dynamic.realtime_factor",
+        "dynamic.fell",
+        "dynamic.joint_rms_deg",
+        "dynamic.root.mode",
+        "dynamic.root.residual_force_peak_n",
+        "dynamic.root.residual_force_rms_n",
+        "dynamic.root.residual_moment_peak_nm",
+        "dynamic.root.impulse_ns",
+        "dynamic.feet.slip_mm_max",
+        "dynamic.feet.penetration_mm_max",
+        "dynamic.feet.float_mm_max",
+        "dynamic.contact.vertical_mean_n",
+        "dynamic.sagging",
+        "files",
+    ] {
+        field(&r, path);
+    }
+    assert_eq!(field(&r, "dynamic.root.mode"), "free");
+    assert_eq!(field(&r, "dynamic.fell"), false);
+    let weight = field(&r, "dynamic.contact.vertical_end_percent_bw").as_f64().unwrap();
+    assert!((weight - 100.0).abs() < 0.5, "{weight} % of body weight at the end"); // 100.00 seen
+    for file in field(&r, "files").as_object().unwrap().values() {
+        assert!(place.at("out").join(file.as_str().unwrap()).is_file(), "{file}");
+    }
+
+    // another road: the balance of momentum from the trace, by a program that shares no code
+    let script = root().join("tests/momentum_balance.py");
+    let balance = Command::new("python3").arg(script).arg(place.at("out/trace.npz")).output();
+    let balance = Done::of(&balance.expect("python3 is needed for this test"));
+    assert_eq!(balance.code, 0, "{}{}", balance.stdout, balance.stderr); // 0.16 % RMS seen
+
+    // the GLB is valid and holds the whole motion
+    let glb = gltf::Gltf::open(place.at("out/dynamic.glb")).unwrap();
+    let blob = glb.blob.clone().unwrap();
+    let links = field(&r, "character.links").as_u64().unwrap() as usize;
+    assert_eq!(glb.skins().next().unwrap().joints().count(), links);
+    let animation = glb.animations().next().unwrap();
+    let channel = animation.channels().next().unwrap();
+    let reader = channel.reader(|_| Some(&blob));
+    let times: Vec<f32> = reader.read_inputs().unwrap().collect();
+    assert_eq!(times.len(), field(&r, "frames").as_u64().unwrap() as usize);
+}
+
+/// Same input, same bytes: from another folder, locale and number of threads; but for the clock.
+#[test]
+fn the_same_bytes_everywhere() {
+    let (here, there) = (Place::new(), Place::new());
+    let scene = here.scene("", "");
+    let drawn = here.run(&["render", scene.to_str().unwrap(), "--out", "out"]);
+    assert_eq!(drawn.code, 0, "{}", drawn.stderr);
+    let done = Command::new(env!("CARGO_BIN_EXE_contrapposto"))
+        .args(["render", "scene.ron", "--out"])
+        .arg(there.at("deep/er/out"))
+        .current_dir(scene.parent().unwrap())
+        .env("LC_ALL", "de_DE.UTF-8")
+        .env("LANG", "tr_TR.UTF-8")
+        .env("RAYON_NUM_THREADS", "1")
+        .env("TZ", "Asia/Tokyo")
+        .output()
+        .unwrap();
+    assert_eq!(Done::of(&done).code, 0);
+    let (a, b) = (here.files("out"), there.files("deep/er/out"));
+    assert_eq!(a.len(), b.len());
+    assert!(a.iter().any(|(name, _)| name == "plots/strip_edited.png"));
+    for ((name, a), (other, b)) in a.iter().zip(&b) {
+        assert_eq!(name, other);
+        if name == "report.json" {
+            let timeless = |bytes: &[u8]| {
+                let text = String::from_utf8(bytes.to_vec()).unwrap();
+                let lines: Vec<String> =
+                    text.lines().filter(|l| !l.contains("\"realtime_factor\"")).map(str::to_owned).collect();
+                assert_eq!(lines.len() + 1, text.lines().count());
+                lines
+            };
+            assert_eq!(timeless(a), timeless(b));
+        } else {
+            assert!(a == b, "{name} differs");
+        }
+    }
+}
+
+/// Only the motion asked for; what an earlier run left that would now lie goes, other files stay.
+#[test]
+fn kinematic_output_replaces_dynamic_output() {
+    let place = Place::new();
+    let scene = place.scene("", "");
+    assert_eq!(place.run(&["render", scene.to_str().unwrap(), "--out", "out"]).code, 0);
+    assert!(place.at("out/plots/strip_dynamic.svg").exists());
+    place.write("out/notes.txt", "mine");
+    place.write("out/plots/mine.svg", "mine");
+    let done = place.render(&scene, &["--kinematic"]);
+    assert_eq!(done.code, 0, "{}", done.stderr);
+    let names: Vec<String> = place.files("out").into_iter().map(|(name, _)| name).collect();
+    assert_eq!(names, ["kinematic.bvh", "kinematic.glb", "notes.txt", "plots/mine.svg", "report.json"]);
+    assert!(report(&place, "out").get("dynamic").is_none());
+    assert!(gltf::Gltf::open(place.at("out/kinematic.glb")).is_ok());
+}
+
+/// `--json` prints the report, and nothing else.
+#[test]
+fn json_on_standard_output_is_the_report() {
+    let place = Place::new();
+    let done =
+        place.render(&place.scene("", ""), &["--json", "--tension", "3", "--rate", "300", "--substeps", "1"]);
+    assert_eq!((done.code, done.stderr.as_str()), (0, ""));
+    assert_eq!(done.stdout.as_bytes(), std::fs::read(place.at("out/report.json")).unwrap());
+    let r: serde_json::Value = serde_json::from_str(&done.stdout).unwrap();
+    assert_eq!(field(&r, "dynamic.tension"), 3.0);
+    assert_eq!(field(&r, "dynamic.rate_hz"), 300.0);
+    assert_eq!(field(&r, "dynamic.substeps"), 1);
+    assert_eq!(field(&r, "edit_conflicts"), 1);
+}
+
+/// A folder that cannot be written to is found out before the simulation, and nothing is left behind.
+#[test]
+fn a_locked_door() {
+    let place = Place::new();
+    let scene = place.scene("", "");
+    let file = place.write("a-file", "earlier");
+    for out in ["a-file", "a-file/below", "/proc/nowhere/out"] {
+        let done = place.run(&["render", scene.to_str().unwrap(), "--out", out]);
+        assert_eq!(done.code, 1, "{out}: {}", done.stderr);
+        assert!(
+            done.stderr.starts_with("error: cannot write") && done.stderr.contains(out),
+            "{}",
+            done.stderr
+        );
+    }
+    assert_eq!(std::fs::read_to_string(file).unwrap(), "earlier");
+    let names: Vec<String> = place.files("").into_iter().map(|(name, _)| name).collect();
+    assert_eq!(names, ["a-file", "characters/human.ron", "scene.ron"]);
+}
+
+/// A run that diverges fails, says where, and leaves what it recorded.
+#[test]
+fn a_run_that_diverges() {
+    let place = Place::new();
+    let push = "settle_s: 0.2, pushes: [Push(link: \"wrist_r\", impulse_ns: (1e6, 0, 0), start_s: 0.1)]";
+    let done = place.render(&place.scene("settle_s: 0.2", push), &[]);
+    assert_eq!(done.code, 1, "{}", done.stdout);
+    for word in ["diverged at step", " s), first seen at `", "is in out"] {
+        assert!(done.stderr.contains(word), "{}", done.stderr);
+    }
+    assert!(done.stdout.contains("FAILED"), "{}", done.stdout);
+    let r = report(&place, "out");
+    assert!(field(&r, "dynamic.diverged").as_str().unwrap().contains("diverged"));
+    assert_eq!(place.files("out").len(), 5);
+}
+
+/// A fall is no failure, but it is not kept quiet.
+#[test]
+fn a_body_that_falls() {
+    let place = Place::new();
+    let push = "settle_s: 1.5, pushes: [Push(link: \"chest\", impulse_ns: (0, 0, 400), start_s: 0.1)]";
+    let done = place.render(&place.scene("settle_s: 0.2", push), &[]);
+    assert_eq!(done.code, 0, "{}", done.stderr);
+    assert!(done.stdout.contains("THE BODY FELL at"), "{}", done.stdout);
+    assert_eq!(field(&report(&place, "out"), "dynamic.fell"), true);
+}
+
+/// A clip gets a body; what was guessed is printed; files are written in the clip's own unit.
+#[test]
+fn a_clip() {
+    let place = Place::new();
+    let clip = place.clip("", "");
+    let (inches, clip) = (place.at("inches.bvh"), clip.to_str().unwrap());
+    let converted = place.run(&["convert", clip, inches.to_str().unwrap(), "--out-units", "0.0254"]);
+    assert_eq!(converted.code, 0, "{}", converted.stderr);
+    let done = place.render(&inches, &[]);
+    assert_eq!(done.code, 0, "{}", done.stderr);
+    for word in ["pinned", "units: 0.0254 m (guessed", "up: Y (guessed", "stature", "left thigh"] {
+        assert!(done.stdout.contains(word), "`{word}` is not in\n{}", done.stdout);
+    }
+    let offsets = |path: std::path::PathBuf| -> Vec<String> {
+        let text = std::fs::read_to_string(path).unwrap();
+        text.lines().filter(|l| l.contains("OFFSET")).map(str::to_owned).collect()
+    };
+    assert_eq!(offsets(inches.clone()), offsets(place.at("out/dynamic.bvh")));
+    assert_eq!(offsets(inches.clone()), offsets(place.at("out/kinematic.bvh")));
+    let r = report(&place, "out");
+    assert_eq!(field(&r, "dynamic.root.mode"), "pinned");
+    let stated =
+        place.render(&inches, &["--units", "0.0254", "--up", "y", "--drop-t-pose", "--root", "free"]);
+    assert_eq!(stated.code, 0, "{}", stated.stderr);
+    assert!(stated.stdout.contains("units: 0.0254 m (stated"), "{}", stated.stdout);
+    assert!(stated.stdout.contains("up: Y (stated"), "{}", stated.stdout);
+    assert_eq!(field(&report(&place, "out"), "dynamic.root.mode"), "free");
+}
+
+/// The body that `inspect` writes performs the clip as the guessed one does.
+#[test]
+fn a_clip_with_its_written_body() {
+    let place = Place::new();
+    let clip = place.clip("", "");
+    assert_eq!(place.render(&clip, &[]).code, 0);
+    let guessed = report(&place, "out");
+    let done = place.run(&["inspect", clip.to_str().unwrap(), "--write-body", "body.ron"]);
+    assert_eq!(done.code, 0, "{}", done.stderr);
+    let done = place.render(&clip, &["--body", "body.ron"]);
+    assert_eq!(done.code, 0, "{}", done.stderr);
+    let written = report(&place, "out");
+    assert_eq!(field(&guessed, "character.dof"), field(&written, "character.dof"));
+    let rms = |r: &serde_json::Value| field(r, "dynamic.joint_rms_deg").as_f64().unwrap();
+    assert!((rms(&guessed) - rms(&written)).abs() < 1e-3, "{} {}", rms(&guessed), rms(&written));
+}

@@ -1,0 +1,49 @@
+//! `docs/REPORT.md` names every field of the report.
+
+use std::collections::BTreeSet;
+
+use crate::place::{Place, root};
+
+/// Paths of all fields of a value: `dynamic.root.mode`, `dynamic.sagging[].joint`.
+fn paths(value: &serde_json::Value, at: &str, found: &mut BTreeSet<String>) {
+    match value {
+        serde_json::Value::Object(fields) if at != "files" => {
+            for (name, value) in fields {
+                let path = if at.is_empty() { name.clone() } else { format!("{at}.{name}") };
+                paths(value, &path, found);
+            }
+        }
+        serde_json::Value::Array(items) if !items.is_empty() => {
+            items.iter().for_each(|item| paths(item, &format!("{at}[]"), found));
+        }
+        serde_json::Value::Array(_) => {
+            found.insert(format!("{at}[]"));
+        }
+        _ => {
+            found.insert(at.to_owned());
+        }
+    }
+}
+
+/// Both ways: no field without its line in the document, no line without its field. The slack scene
+/// sags, so that lists are not empty.
+#[test]
+fn the_document_names_every_field() {
+    let place = Place::new();
+    let scene = place.scene("settle_s: 0.2", "settle_s: 0.2, physics: (tension: 0.05)");
+    let done = place.render(&scene, &["--json"]);
+    assert_eq!(done.code, 0, "{}", done.stderr);
+    let report: serde_json::Value = serde_json::from_str(&done.stdout).unwrap();
+    let mut fields = BTreeSet::new();
+    paths(&report, "", &mut fields);
+    let document = std::fs::read_to_string(root().join("docs/REPORT.md")).unwrap();
+    let named: BTreeSet<String> = document
+        .lines()
+        .filter_map(|line| line.strip_prefix("| `")?.split_once('`'))
+        .map(|(path, _)| path.to_owned())
+        .collect();
+    let (missing, stale): (Vec<_>, Vec<_>) =
+        (fields.difference(&named).collect(), named.difference(&fields).collect());
+    assert!(missing.is_empty(), "not in docs/REPORT.md: {missing:?}");
+    assert!(stale.is_empty(), "in docs/REPORT.md, not in a report: {stale:?}");
+}
