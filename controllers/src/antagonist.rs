@@ -1,7 +1,7 @@
 //! Antagonistic actuators: two opposed springs and a damper per joint axis.
 //!
 //! Unloaded, the ratio of the gains sets where the joint rests; their sum, the tension K, how hard it
-//! holds [NF02]. In: angle, rate, load. Out: gains, torque. No engine, no state.
+//! holds \[NF02\]. In: angle, rate, load. Out: gains, torque. No engine, no state.
 //!
 //! Symbols: `q` angle (rad), `lo < hi` set points (rad), beyond the joint's limits, `k_lo k_hi` gains
 //! (N·m/rad), never negative because springs only pull, `kd` damping (N·m·s/rad); about the joint axis,
@@ -11,7 +11,7 @@
 //! every joint is bounded here. A ball has a pair for each of its anatomical coordinates φ: with ω = A φ̇
 //! its load along coordinate i is (Aᵀ load)ᵢ, at the target.
 //!
-//! [NF02] Neff, Fiume. Modeling tension and relaxation for computer animation, SCA 2002.
+//! \[NF02\] Neff, Fiume. Modeling tension and relaxation for computer animation, SCA 2002.
 
 use motion::rotation::{exp, exp_rate};
 use motion::{BallLimits, Joint, Limits, Quat, Range, Vec3};
@@ -65,7 +65,7 @@ impl Antagonist {
     /// Returns gains that hold `q` against `load` with the given tension, undamped.
     ///
     /// Solves `k_lo (lo − q) + k_hi (hi − q) + load = 0`, `k_lo + k_hi = tension`: one point of the
-    /// iso-angle line of [NF02].
+    /// iso-angle line of \[NF02\].
     ///
     /// * `q`: rad, strictly inside `(lo, hi)`
     /// * `load`: outside torque on the same axis, N·m

@@ -1,4 +1,4 @@
-//! Balance: a reactive movement property that keeps the centre of mass over the feet [NF03 §4.2].
+//! Balance: a reactive movement property that keeps the centre of mass over the feet \[NF03 §4.2\].
 //!
 //! It reads the simulated state every step and writes the drives of the stance legs:
 //!

@@ -1,9 +1,9 @@
-//! Gains along a transition: how a joint's muscles get from one pose to the next [NF02].
+//! Gains along a transition: how a joint's muscles get from one pose to the next \[NF02\].
 //!
 //! When an element becomes active, the stiffness and rest its end pose will need (load predicted
 //! there) are known; muscles run from where they are to there along the element's curve. Blending the
 //! pair (K, rest angle) keeps the rest on the curve; blending the gains (k_lo, k_hi) themselves, as
-//! [NF02] does, moves it off (80 % of the way at half the curve for K 10 → 40).
+//! \[NF02\] does, moves it off (80 % of the way at half the curve for K 10 → 40).
 //!
 //! In: the current and the final drive, times, a curve. Out: the drive at a time.
 
@@ -17,7 +17,7 @@ pub enum GainBlend {
     /// Stiffness and rest angle: the rest follows the curve.
     #[default]
     RestAngle,
-    /// The two gains, literally as in [NF02].
+    /// The two gains, literally as in \[NF02\].
     Gains,
 }
 

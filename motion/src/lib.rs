@@ -20,7 +20,6 @@
 //! | [`metrics`] | joint errors, foot slip, jerk |
 //! | [`names`] | the nearest known name, for error messages |
 //! | [`support`] | convex hull of ground contacts, margin of a point |
-//! | [`format`] | BVH and other files |
 //! | [`mod@format`] | BVH and other files |
 //!
 //! Units and frames: metres, radians, seconds; right-handed, Y up, +Z forward, +X to the left of

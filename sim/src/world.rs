@@ -1,6 +1,6 @@
 //! World: one articulated body over a ground plane, stepped by rapier.
 //!
-//! In: a character, a state, one [`Drive`](controllers::Drive) per joint, outside wrenches. Out: the
+//! In: a character, a state, one [`Drive`] per joint, outside wrenches. Out: the
 //! state after the step and the forces at every contact. This file and [`crate::contacts`] are the
 //! only ones that name rapier; the rest of the workspace sees `q`, `v` and newtons.
 //!
