@@ -93,6 +93,7 @@ fn options(stage: &Stage) -> StripOptions {
         count: strip.figures,
         from_s: strip.from_s,
         to_s: strip.to_s,
+        yaw_deg: strip.yaw_deg,
         ground_m: stage.physics.ground.map(|g| g.height_m),
         ..StripOptions::default()
     }

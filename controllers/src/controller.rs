@@ -145,7 +145,7 @@ impl Controller {
             planner.at(&setup.goal, t);
         }
         let poses: Vec<Vec<Need>> = planner.cache.iter().map(|(_, n)| n.clone()).collect();
-        let scale = TensionScale::new(&model, &character.classes, &poses);
+        let scale = TensionScale::new(&model, &character.classes, &planner.stance, &poses);
 
         let in_leg: Vec<usize> = match &balance {
             Some(b) => b.bodies(&model),

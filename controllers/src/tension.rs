@@ -12,7 +12,9 @@
 //! | spine | 1.6 | shoulder | 1.1 | hip | 1.1 |
 //! | neck | 2.2 | elbow | 1.6 | knee | 1.4 |
 //! | clavicle | 1.8 | wrist | 3.0 | ankle | 2.5 |
-//! | other | 1.5 | | | | |
+//! | other | 1.5 | stance leg | 0.8 | | |
+//!
+//! A stance leg moves the body above it, not the limb below: it sways below 1 Hz, as standing people do.
 
 use dynamics::{JointClass, Model, State, Wrench};
 use motion::{Joint, Limb, Vec3};
@@ -25,6 +27,9 @@ use crate::rest_of;
 ///
 /// Below 1, so that a relaxed limb swings past its goal; high enough that it does so once and does not ring.
 pub const DAMPING_RATIO: f64 = 0.7;
+
+/// Natural frequency of the joints of a stance leg at T = 1, Hz.
+pub const STANCE_HZ: f64 = 0.8;
 
 /// Natural frequency of a joint at T = 1, Hz. See the table in the module header.
 pub fn natural_frequency_hz(class: JointClass) -> f64 {
@@ -225,14 +230,16 @@ pub struct TensionScale {
 
 impl TensionScale {
     /// Scale over the needs of all poses of a scene; `classes` per link.
-    pub fn new(model: &Model, classes: &[JointClass], poses: &[Vec<Need>]) -> Self {
+    pub fn new(model: &Model, classes: &[JointClass], stance: &[StanceLeg], poses: &[Vec<Need>]) -> Self {
         let n = model.bodies.len();
         let largest = |f: &dyn Fn(&Need) -> f64, i: usize| poses.iter().map(|p| f(&p[i])).fold(0.0, f64::max);
         let least: Vec<f64> = (0..n).map(|i| largest(&|p| p.least(), i)).collect();
         let inertia: Vec<f64> = (0..n).map(|i| largest(&|p| p.inertia, i)).collect();
         let k1 = (0..n)
             .map(|i| {
-                let f = natural_frequency_hz(classes[model.bodies[i].link]);
+                let stands = stance.iter().any(|l| l.bodies.contains(&i));
+                let class = classes[model.bodies[i].link];
+                let f = if stands { STANCE_HZ } else { natural_frequency_hz(class) };
                 (2.0 * least[i]).max(inertia[i] * (std::f64::consts::TAU * f).powi(2))
             })
             .collect();

@@ -427,10 +427,12 @@ pub struct StripRon {
     pub from_s: f64,
     /// Last moment shown, s; by default the end.
     pub to_s: Option<f64>,
+    /// From where it is seen, degrees: 0 the front, 90 the left; by default where the motion shows best.
+    pub yaw_deg: Option<f64>,
 }
 
 impl Default for StripRon {
     fn default() -> Self {
-        Self { figures: 9, from_s: 0.0, to_s: None }
+        Self { figures: 9, from_s: 0.0, to_s: None, yaw_deg: None }
     }
 }
