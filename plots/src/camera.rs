@@ -13,6 +13,9 @@ pub struct Camera {
     near: Vec3,
 }
 
+/// How far a viewer looks down, rad (9°): enough to see where feet stand.
+const PITCH: f64 = 0.157_079_632_679_489_66;
+
 impl Camera {
     /// A viewer in the direction of `yaw` (rad, about the vertical; 0 on +Z, π/2 on +X), looking down
     /// by `pitch` (rad).
@@ -24,6 +27,12 @@ impl Camera {
         Self { right, up: near.cross(&right), near }
     }
 
+    /// A viewer at `yaw_deg` around a body that faces `facing` (rad, yaw): 0 sees it from the front, 90
+    /// from its left, 180 from behind; looking down a little.
+    pub fn around(facing: f64, yaw_deg: f64) -> Self {
+        Self::new(facing + yaw_deg.to_radians(), PITCH)
+    }
+
     /// A three-quarter or side view in which `clips` show their motion best, for a body that faces
     /// `forward` (rad, yaw).
     ///
@@ -32,9 +41,8 @@ impl Camera {
     /// little more motion from the side.
     pub fn watching(clips: &[&Clip], forward: f64) -> Self {
         let candidates = [(38.0, 1.0), (-38.0, 1.0), (62.0, 0.95), (-62.0, 0.95), (90.0, 0.8), (-90.0, 0.8)];
-        let pitch = 9f64.to_radians();
         let score = |(deg, weight): (f64, f64)| {
-            let camera = Self::new(forward + f64::to_radians(deg), pitch);
+            let camera = Self::around(forward, deg);
             weight * clips.iter().map(|c| camera.motion(c)).sum::<f64>()
         };
         // the first of equals: a tie must not be decided by rounding
@@ -45,7 +53,7 @@ impl Camera {
                 best = (*c, s);
             }
         }
-        Self::new(forward + f64::to_radians(best.0.0), pitch)
+        Self::around(forward, best.0.0)
     }
 
     /// `(right, up, near)` of a world point, m.
@@ -114,6 +122,19 @@ mod tests {
         let basis = camera.right.cross(&camera.up);
         assert!((basis - camera.near).norm() < 1e-15);
         assert!(camera.see(&Vec3::y()).y > 0.9);
+    }
+
+    /// From its left, a body that faces +x (a quarter turn) faces away from the viewer's left: what is in
+    /// front of it is on the viewer's left.
+    #[test]
+    fn around_counts_from_the_front_to_the_left() {
+        let facing = 0.5 * std::f64::consts::PI;
+        let front = Camera::around(facing, 0.0).see(&Vec3::x());
+        assert!(front.z > 0.98 && front.x.abs() < 1e-15, "{front}");
+        // facing +x, the left is −z
+        let left = Camera::around(facing, 90.0);
+        assert!(left.see(&-Vec3::z()).z > 0.98);
+        assert!(left.see(&Vec3::x()).x < -0.99);
     }
 
     /// Seen from the front, the character's left is on the viewer's right.

@@ -106,9 +106,11 @@ impl Figure {
         Self { width: width.ceil(), height: height.ceil(), marks: Vec::new() }
     }
 
-    /// Adds a filled polygon.
+    /// Adds a filled polygon; one with a point that is not finite is nothing.
     pub fn fill(&mut self, points: Vec<Px>, color: Color) {
-        self.marks.push(Mark::Fill { points, color });
+        if points.iter().all(is_finite) {
+            self.marks.push(Mark::Fill { points, color });
+        }
     }
 
     /// Adds a filled rectangle.
@@ -125,15 +127,30 @@ impl Figure {
         self.fill((0..20).map(corner).collect(), color);
     }
 
-    /// Adds a line; fewer than two points are nothing.
+    /// Adds a line; points that are not finite break it, fewer than two are nothing.
     pub fn line(&mut self, points: Vec<Px>, color: Color, width: f64) {
-        if points.len() > 1 {
-            self.marks.push(Mark::Line { points, color, width });
+        if points.iter().all(is_finite) {
+            if points.len() > 1 {
+                self.marks.push(Mark::Line { points, color, width });
+            }
+            return;
+        }
+        for run in points.split(|p| !is_finite(p)) {
+            self.line(run.to_vec(), color, width);
         }
     }
 
-    /// Adds a line in strokes of `on` px with gaps of `off` px, measured along the line.
+    /// Adds a line in strokes of `on` px with gaps of `off` px, measured along the line; points that are
+    /// not finite break it.
+    ///
+    /// Strokes and gaps are at least 0.5 px: shorter ones would not be seen.
     pub fn dashed(&mut self, points: &[Px], color: Color, width: f64, [on, off]: [f64; 2]) {
+        for run in points.split(|p| !is_finite(p)) {
+            self.dashed_run(run, color, width, [on.max(0.5), off.max(0.5)]);
+        }
+    }
+
+    fn dashed_run(&mut self, points: &[Px], color: Color, width: f64, [on, off]: [f64; 2]) {
         let Some(&first) = points.first() else { return };
         let (mut stroke, mut drawing, mut left) = (vec![first], true, on);
         for pair in points.windows(2) {
@@ -337,6 +354,10 @@ fn thick<B: DrawingBackend>(backend: &mut B, points: &[Px], color: Color, width:
         }
     }
     Ok(())
+}
+
+fn is_finite(p: &Px) -> bool {
+    p[0].is_finite() && p[1].is_finite()
 }
 
 fn fine(p: &Px) -> (i32, i32) {

@@ -84,6 +84,10 @@ pub struct Panel {
     pub equal: bool,
     /// Steps of the vertical axis are parts of a circle.
     pub degrees: bool,
+    /// Names of the curves in their colours, on the right of the title.
+    pub tags: Vec<(String, Color)>,
+    /// Stands in the middle of an empty frame: why there is nothing to see.
+    pub message: String,
 }
 
 /// One line of a legend.
@@ -213,6 +217,19 @@ pub(crate) fn page(
     figure
 }
 
+/// Draws one panel, labels included, into the rectangle at `at` of `size`.
+pub(crate) fn place(figure: &mut Figure, panel: &Panel, at: Px, size: Px) {
+    let below = SMALL * 1.7 + if panel.x_label.is_empty() { 2.0 } else { LABEL * 1.6 };
+    let above = LABEL * 1.7;
+    let height = (size[1] - above - below).max(40.0);
+    let labelled = !panel.y_label.is_empty();
+    // an equal axis grows after its ticks are measured: leave room for a minus sign and three digits
+    let ticks = Scale::of(panel, height).label_width().max(if panel.equal { 34.0 } else { 0.0 });
+    let left = ticks + 8.0 + if labelled { LABEL * 1.7 } else { 0.0 };
+    let width = (size[0] - left - 8.0).max(40.0);
+    panel.draw(figure, Frame { at: [at[0] + left, at[1] + above], size: [width, height] }, left);
+}
+
 #[derive(Clone, Copy)]
 struct Frame {
     at: Px,
@@ -263,14 +280,15 @@ impl Panel {
         };
         let (right, bottom) = (frame.at[0] + w, frame.at[1] + h);
 
-        for &t in &scale.ticks {
+        let empty = !self.message.is_empty();
+        for &t in scale.ticks.iter().filter(|_| !empty) {
             let y = px(&[0.0, t])[1];
             figure.line(vec![[frame.at[0], y], [right, y]], style::GRID, THIN);
             let at = [frame.at[0] - 6.0, y + 0.36 * SMALL];
             figure.text(number(t, scale.step), at, SMALL, style::SOFT, Anchor::End);
         }
         let x_step = step(x[1] - x[0], (w / 80.0).clamp(2.0, 10.0), false);
-        for t in ticks(x, x_step) {
+        for t in ticks(x, x_step).into_iter().filter(|_| !empty) {
             let at = px(&[t, 0.0])[0];
             figure.line(vec![[at, frame.at[1]], [at, bottom]], style::GRID, THIN);
             let label = [at, bottom + SMALL * 1.4];
@@ -292,7 +310,7 @@ impl Panel {
         }
         for series in &self.series {
             for run in series.points.split(|p| !p[0].is_finite() || !p[1].is_finite()) {
-                let points = thin(run.iter().map(px).collect());
+                let points = simplify(&thin(run.iter().map(px).collect()), FLAT);
                 match series.stroke {
                     Stroke::Solid => figure.line(points, series.color, series.width),
                     Stroke::Dashed => figure.dashed(&points, series.color, series.width, [5.0, 3.5]),
@@ -306,8 +324,23 @@ impl Panel {
         let corners = vec![[l, t], [right, t], [right, bottom], [l, bottom], [l, t]];
         figure.line(corners, style::FRAME, THIN);
 
-        let title = fit(&self.title, LABEL, w);
+        let mut end = right;
+        for (tag, color) in self.tags.iter().rev() {
+            figure.text(tag.as_str(), [end, t - 6.0], SMALL, color.mix(style::INK, 0.15), Anchor::End);
+            end -= style::text_width(tag, SMALL) + 9.0;
+        }
+        let title = fit(&self.title, LABEL, end - l);
         figure.text(title, [l, t - 6.0], LABEL, style::INK, Anchor::Start);
+        if !self.message.is_empty() {
+            let lines = wrap(&self.message, LABEL, w - 24.0);
+            let first = t + 0.5 * h - 0.8 * LABEL * (lines.len() as f64 - 1.0) + 0.36 * LABEL;
+            for (i, line) in lines.into_iter().enumerate() {
+                let at = [l + 0.5 * w, first + 1.6 * LABEL * i as f64];
+                figure.text(line, at, LABEL, style::SOFT, Anchor::Middle);
+            }
+            // no ticks: they would say that something was measured
+            return;
+        }
         if !self.x_label.is_empty() {
             let at = [l + w / 2.0, bottom + SMALL * 1.7 + LABEL];
             figure.text(self.x_label.as_str(), at, LABEL, style::INK, Anchor::Middle);
@@ -364,7 +397,7 @@ fn step(span: f64, count: f64, degrees: bool) -> f64 {
 fn ticks([lo, hi]: [f64; 2], step: f64) -> Vec<f64> {
     let first = (lo / step - 1e-9).ceil() as i64;
     let last = (hi / step + 1e-9).floor() as i64;
-    (first..=last.min(first + 40)).map(|i| i as f64 * step).collect()
+    (first..=last.min(first.saturating_add(40))).map(|i| i as f64 * step).collect()
 }
 
 /// A tick's number with as many decimals as its step needs and a true minus sign.
@@ -403,6 +436,44 @@ fn thin(points: Vec<Px>) -> Vec<Px> {
         }
     }
     out
+}
+
+/// Distance within which a point on a straight stretch is left out, px; a quarter of a subpixel.
+const FLAT: f64 = 0.06;
+
+/// The polyline without the points that lie within `tolerance` of it (D. Douglas, T. Peucker, 1973).
+fn simplify(points: &[Px], tolerance: f64) -> Vec<Px> {
+    let mut keep = vec![false; points.len()];
+    let mut open = Vec::new();
+    if let Some(last) = points.len().checked_sub(1) {
+        (keep[0], keep[last]) = (true, true);
+        open.push((0, last));
+    }
+    while let Some((a, b)) = open.pop() {
+        let (from, along) = (points[a], [points[b][0] - points[a][0], points[b][1] - points[a][1]]);
+        let length2 = along[0] * along[0] + along[1] * along[1];
+        let distance = |p: &Px| {
+            let d = [p[0] - from[0], p[1] - from[1]];
+            let s = if length2 > 0.0 {
+                ((d[0] * along[0] + d[1] * along[1]) / length2).clamp(0.0, 1.0)
+            } else {
+                0.0
+            };
+            (d[0] - s * along[0]).hypot(d[1] - s * along[1])
+        };
+        let mut worst = (a, tolerance);
+        for (i, p) in points.iter().enumerate().take(b).skip(a + 1) {
+            let d = distance(p);
+            if d > worst.1 {
+                worst = (i, d);
+            }
+        }
+        if worst.0 != a {
+            keep[worst.0] = true;
+            open.extend([(a, worst.0), (worst.0, b)]);
+        }
+    }
+    points.iter().zip(&keep).filter(|(_, k)| **k).map(|(p, _)| *p).collect()
 }
 
 /// The text, or as much of it as fits with an ellipsis.

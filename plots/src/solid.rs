@@ -23,14 +23,19 @@ pub struct Facet {
 pub struct Solid {
     /// Silhouette, m.
     pub outline: Vec<Vec2>,
-    /// Shaded facets on it, back to front.
+    /// Shaded facets on it, back to front; the bands of a round solid, [`BANDS`] of them, from its dark
+    /// edge to its highlight.
     pub facets: Vec<Facet>,
+    /// Whether it is round: a ball or a capsule.
+    pub round: bool,
     /// Distance of its middle towards the viewer, m.
     pub near: f64,
 }
 
 /// Corners of a pictured circle.
 const ROUND: usize = 28;
+/// Steps of brightness on a round solid.
+pub const BANDS: usize = 6;
 
 /// Draws one shape of a link in the colour `tint`.
 pub fn solid(shape: &Shape, world_from_link: &Transform, camera: &Camera, tint: Color) -> Solid {
@@ -41,6 +46,18 @@ pub fn solid(shape: &Shape, world_from_link: &Transform, camera: &Camera, tint: 
         Shape::Sphere { center, radius } => round(&[place(world_from_link, &center)], radius, camera, tint),
         Shape::Box { .. } => cuboid(shape, world_from_link, camera, tint),
     }
+}
+
+/// Skin over two round solids: the hull of both, band by band; `None` unless both are round.
+pub fn skin(a: &Solid, b: &Solid) -> Option<Solid> {
+    let over = |p: &[Vec2], q: &[Vec2]| Support::of_plane([p, q].concat()).corners().to_vec();
+    let band = |(f, g): (&Facet, &Facet)| Facet { points: over(&f.points, &g.points), color: f.color };
+    (a.round && b.round).then(|| Solid {
+        outline: over(&a.outline, &b.outline),
+        facets: a.facets.iter().zip(&b.facets).map(band).collect(),
+        round: true,
+        near: 0.5 * (a.near + b.near),
+    })
 }
 
 /// World points whose hull is the shape (round ones sampled).
@@ -101,17 +118,19 @@ fn round(centers: &[Vec3], radius: f64, camera: &Camera, tint: Color) -> Solid {
     };
     let light = Vec2::new(-0.55, 0.65);
     // Bands of equal brightness of a lit cylinder, nested towards the light.
-    let bands = [
-        (1.0, 0.0, tint.mix(INK, 0.16)),
-        (0.86, 0.10, tint),
-        (0.56, 0.30, tint.mix(WHITE, 0.13)),
-        (0.26, 0.46, tint.mix(WHITE, 0.26)),
+    let bands: [_; BANDS] = [
+        (1.0, 0.0, tint.mix(INK, 0.20)),
+        (0.92, 0.06, tint.mix(INK, 0.10)),
+        (0.80, 0.14, tint),
+        (0.62, 0.26, tint.mix(WHITE, 0.08)),
+        (0.42, 0.38, tint.mix(WHITE, 0.16)),
+        (0.22, 0.48, tint.mix(WHITE, 0.24)),
     ];
     let facets = bands
         .into_iter()
         .map(|(size, shift, color)| Facet { points: disc(radius * size, light * (radius * shift)), color })
         .collect();
-    Solid { outline: disc(radius, Vec2::zeros()), facets, near }
+    Solid { outline: disc(radius, Vec2::zeros()), facets, round: true, near }
 }
 
 fn cuboid(shape: &Shape, world_from_link: &Transform, camera: &Camera, tint: Color) -> Solid {
@@ -141,7 +160,8 @@ fn cuboid(shape: &Shape, world_from_link: &Transform, camera: &Camera, tint: Col
             facets.push(Facet { points: face.iter().map(flat).collect(), color });
         }
     }
-    Solid { outline: Support::of_plane(corners.iter().map(flat).collect()).corners().to_vec(), facets, near }
+    let outline = Support::of_plane(corners.iter().map(flat).collect()).corners().to_vec();
+    Solid { outline, facets, round: false, near }
 }
 
 /// The polygon grown by `by` on all sides; for convex outlines.

@@ -7,14 +7,14 @@
 //!
 //! [NF03] Neff, Fiume. Aesthetic Edits for Character Animation, SCA 2003, Fig. 3.
 
-use dynamics::Character;
+use dynamics::{Character, JointClass};
 use motion::support::Vec2;
 use motion::{Clip, Kinematics, Vec3};
 
 use crate::camera::{Camera, facing};
 use crate::figure::{Anchor, Figure, Px};
 use crate::panel::header;
-use crate::solid::{Solid, grown, shadow, solid};
+use crate::solid::{BANDS, Facet, Solid, grown, shadow, skin, solid};
 use crate::style::{self, Color, INK, LABEL, MARGIN, WHITE};
 
 /// One row of a film strip.
@@ -31,16 +31,19 @@ pub struct StripRow<'a> {
 pub struct StripOptions {
     /// Figures per row, at least 1.
     pub count: usize,
-    /// First moment shown, s.
-    pub from_s: f64,
-    /// Last moment shown, s; `None` is the end of the longest row.
-    pub to_s: Option<f64>,
     /// Width of the page, px.
     pub width: f64,
     /// Greatest height of a standing body, px.
     pub body_height: f64,
-    /// Who looks; `None` chooses the view in which the motion shows best.
+    /// Who looks; `None` leaves it to `yaw_deg`.
     pub camera: Option<Camera>,
+    /// Where the viewer stands around the body of the first row, degrees: 0 in front of it, 90 on its
+    /// left ([`Camera::around`]); `None` chooses the view in which the motion shows best.
+    pub yaw_deg: Option<f64>,
+    /// First moment shown, s of the clips.
+    pub from_s: f64,
+    /// Last moment shown, s of the clips; `None` is the end of the longest.
+    pub to_s: Option<f64>,
     /// Height of the floor, m; `None` is the lowest point of all figures.
     pub ground_m: Option<f64>,
     /// Title; `None` names the rows.
@@ -51,11 +54,12 @@ impl Default for StripOptions {
     fn default() -> Self {
         Self {
             count: 8,
-            from_s: 0.0,
-            to_s: None,
             width: 1600.0,
             body_height: 330.0,
             camera: None,
+            yaw_deg: None,
+            from_s: 0.0,
+            to_s: None,
             ground_m: None,
             title: None,
         }
@@ -111,10 +115,17 @@ pub fn film_strip_with(
     figure
 }
 
-/// One figure: solids back to front and shadows, m, about the figure's own origin on the floor.
+/// One figure: groups of solids back to front and shadows, m, about the figure's own origin on the floor.
 struct Frame {
-    solids: Vec<(Solid, Color)>,
+    groups: Vec<Group>,
     shadows: Vec<Vec<Vec2>>,
+}
+
+/// Solids with one contour around all of them: the trunk, the head, a limb.
+struct Group {
+    solids: Vec<Solid>,
+    tint: Color,
+    near: f64,
 }
 
 struct Scene {
@@ -128,13 +139,16 @@ impl Scene {
     fn new(rows: &[StripRow], character: &Character, options: &StripOptions) -> Self {
         let count = options.count.max(1);
         let end = rows.iter().map(|r| r.clip.duration_s()).fold(0.0, f64::max);
-        let to = options.to_s.unwrap_or(end).min(end);
-        let from = options.from_s.clamp(0.0, to);
+        let from = if options.from_s.is_finite() { options.from_s.clamp(0.0, end) } else { 0.0 };
+        let to = options.to_s.filter(|t| t.is_finite()).map_or(end, |t| t.clamp(from, end));
         let step = (to - from) / (count - 1).max(1) as f64;
         let times: Vec<f64> = (0..count).map(|i| from + step * i as f64).collect();
         let clips: Vec<&Clip> = rows.iter().map(|r| r.clip).collect();
         let forward = clips.first().map_or(0.0, |c| facing(&c.skeleton, c.pose(0)));
-        let camera = options.camera.unwrap_or_else(|| Camera::watching(&clips, forward));
+        let camera = options.camera.unwrap_or_else(|| match options.yaw_deg.filter(|y| y.is_finite()) {
+            Some(yaw) => Camera::around(forward, yaw),
+            None => Camera::watching(&clips, forward),
+        });
         let poses: Vec<Vec<Kinematics>> =
             clips.iter().map(|c| times.iter().map(|&t| posed(c, t)).collect()).collect();
 
@@ -144,15 +158,19 @@ impl Scene {
         let level = |p: Vec3| Vec3::new(p.x, ground, p.z);
         let travels = all().any(|k| (level(k.origin(0)) - level(start)).norm() > FOLLOW);
         let tints = tints(character);
+        let groups = groups(character, &tints);
         let frame = |k: &Kinematics| {
             let origin = level(if travels { k.origin(0) } else { start });
-            draw(k, character, &camera, ground, &tints, &camera.see(&origin))
+            let mut frame = draw(k, character, &camera, ground, &tints, &groups);
+            frame.shift(&camera.see(&origin));
+            frame
         };
         let rows: Vec<Vec<Frame>> = poses.iter().map(|r| r.iter().map(frame).collect()).collect();
 
         let mut extent = [0.0f64; 4];
         for frame in rows.iter().flatten() {
-            let outlines = frame.solids.iter().map(|s| &s.0.outline).chain(&frame.shadows);
+            let solids = frame.groups.iter().flat_map(|g| &g.solids);
+            let outlines = solids.map(|s| &s.outline).chain(&frame.shadows);
             for p in outlines.flatten() {
                 extent = [extent[0].min(p.x), extent[1].max(p.x), extent[2].min(p.y), extent[3].max(p.y)];
             }
@@ -193,39 +211,84 @@ fn tints(character: &Character) -> Vec<Color> {
         .collect()
 }
 
+/// A group per link: links of one tint that hang together are one, but a head is its own, so that it
+/// stands out before the chest it bows over.
+fn groups(character: &Character, tints: &[Color]) -> Vec<usize> {
+    let links = character.skeleton.links();
+    let neck = |link: usize| character.classes[link] == JointClass::Neck;
+    let mut group = vec![0; links.len()];
+    let mut count = 1;
+    for (i, link) in links.iter().enumerate().skip(1) {
+        let parent = link.parent.unwrap_or(0);
+        let head = neck(i) && neck(parent);
+        if tints[i] == tints[parent] && (!head || group[parent] != 0) {
+            group[i] = group[parent];
+        } else {
+            group[i] = count;
+            count += 1;
+        }
+    }
+    group
+}
+
 fn draw(
     k: &Kinematics,
     character: &Character,
     camera: &Camera,
     ground: f64,
     tints: &[Color],
-    origin: &Vec3,
+    group_of: &[usize],
 ) -> Frame {
-    let origin = Vec2::new(origin.x, origin.y);
-    let mut solids = Vec::new();
+    let count = group_of.iter().max().map_or(0, |m| m + 1);
+    let mut groups: Vec<Group> =
+        (0..count).map(|_| Group { solids: Vec::new(), tint: MIDDLE, near: 0.0 }).collect();
     let mut shadows = Vec::new();
+    let links = character.skeleton.links();
+    let spine = |link: usize| matches!(character.classes[link], JointClass::Root | JointClass::Spine);
+    // last solid of each link of the trunk, and where it is
+    let mut ends: Vec<Option<Solid>> = vec![None; links.len()];
     for (link, body) in character.bodies.iter().enumerate() {
+        let group = &mut groups[group_of[link]];
+        group.tint = tints[link];
+        let mut before = links[link].parent.filter(|_| spine(link)).and_then(|p| ends[p].clone());
         for shape in &body.shapes {
-            solids.push((solid(shape, &k.world[link], camera, tints[link]), tints[link]));
+            let s = solid(shape, &k.world[link], camera, tints[link]);
+            // along the spine bellies and chests are one skin, not a stack of tyres
+            if let Some(over) = before.as_ref().filter(|_| spine(link)).and_then(|b| skin(b, &s)) {
+                group.solids.push(over);
+            }
+            before = Some(s.clone());
+            group.solids.push(s);
             shadows.push(shadow(shape, &k.world[link], camera, ground));
         }
+        ends[link] = before.filter(|_| spine(link));
     }
-    solids.sort_by(|a, b| a.0.near.total_cmp(&b.0.near));
-    for (i, (s, _)) in solids.iter_mut().enumerate() {
-        let points = s.outline.iter_mut().chain(s.facets.iter_mut().flat_map(|f| &mut f.points));
-        points.for_each(|p| *p -= origin);
-        let _ = i;
+    groups.retain(|g| !g.solids.is_empty());
+    for g in &mut groups {
+        g.near = g.solids.iter().map(|s| s.near).sum::<f64>() / g.solids.len() as f64;
+        g.solids.sort_by(|a, b| a.near.total_cmp(&b.near));
     }
-    shadows.iter_mut().flatten().for_each(|p| *p -= origin);
+    groups.sort_by(|a, b| a.near.total_cmp(&b.near));
     // what is far is a little paler
-    let (far, near) = solids
-        .iter()
-        .fold((f64::INFINITY, f64::NEG_INFINITY), |(f, n), s| (f.min(s.0.near), n.max(s.0.near)));
-    for (s, _) in &mut solids {
-        let haze = 0.22 * (near - s.near) / (near - far).max(0.3);
-        s.facets.iter_mut().for_each(|f| f.color = f.color.mix(WHITE, haze));
+    let far = groups.first().map_or(0.0, |g| g.near);
+    let near = groups.last().map_or(0.0, |g| g.near);
+    for g in &mut groups {
+        let haze = 0.18 * (near - g.near) / (near - far).max(0.3);
+        let facets = g.solids.iter_mut().flat_map(|s| &mut s.facets);
+        facets.for_each(|f| f.color = f.color.mix(WHITE, haze));
     }
-    Frame { solids, shadows }
+    Frame { groups, shadows }
+}
+
+impl Frame {
+    fn shift(&mut self, origin: &Vec3) {
+        let origin = Vec2::new(origin.x, origin.y);
+        for s in self.groups.iter_mut().flat_map(|g| &mut g.solids) {
+            let points = s.outline.iter_mut().chain(s.facets.iter_mut().flat_map(|f| &mut f.points));
+            points.for_each(|p| *p -= origin);
+        }
+        self.shadows.iter_mut().flatten().for_each(|p| *p -= origin);
+    }
 }
 
 /// Metres to the page.
@@ -245,6 +308,8 @@ struct Layout {
 const ROW_GAP: f64 = 16.0;
 const HEADROOM: f64 = 34.0;
 const TIMES: f64 = LABEL + 20.0;
+/// Width of the dark line around a body, px.
+const CONTOUR: f64 = 1.6;
 
 impl Layout {
     fn new(scene: &Scene, options: &StripOptions, top: f64) -> Self {
@@ -303,15 +368,25 @@ impl Layout {
         }
     }
 
+    /// Group by group, back to front: first the contour of all solids, then their fills band by band,
+    /// so that neither contours nor dark edges show inside a group.
     fn body(&self, figure: &mut Figure, row: usize, slot: usize, frame: &Frame) {
-        let rim = |px: f64, s: &Solid| self.page(row, slot, &grown(&s.outline, px / self.scale));
-        for (s, tint) in &frame.solids {
-            figure.fill(rim(1.8, s), tint.mix(INK, 0.72));
-        }
-        for (s, tint) in &frame.solids {
-            figure.fill(rim(0.6, s), tint.mix(INK, 0.38));
-            for facet in &s.facets {
-                figure.fill(self.page(row, slot, &facet.points), facet.color);
+        for group in &frame.groups {
+            let contour = group.tint.mix(INK, 0.72);
+            for s in &group.solids {
+                let rim = grown(&s.outline, CONTOUR / self.scale);
+                figure.fill(self.page(row, slot, &rim), contour);
+            }
+            let facet = |figure: &mut Figure, f: &Facet| {
+                figure.fill(self.page(row, slot, &f.points), f.color);
+            };
+            for s in group.solids.iter().filter(|s| !s.round) {
+                s.facets.iter().for_each(|f| facet(figure, f));
+            }
+            for band in 0..BANDS {
+                for s in group.solids.iter().filter(|s| s.round) {
+                    facet(figure, &s.facets[band]);
+                }
             }
         }
     }

@@ -1,0 +1,59 @@
+//! Columns of a trace as curves, and the sums that figures share.
+//!
+//! In: a [`Trace`]. Out: series and vectors per row. SI units.
+
+use dynamics::Trace;
+use motion::{Joint, Skeleton, Vec3};
+
+use crate::figure::Figure;
+use crate::panel::{Panel, page};
+
+/// Width of the pages with panels, px.
+pub const WIDTH: f64 = 1500.0;
+/// Under every axis of time.
+pub const TIME: &str = "time (s)";
+
+/// Rows that have a pose and a target.
+pub fn rows(trace: &Trace) -> usize {
+    let n = trace.character.skeleton.nq();
+    trace.q.len().min(trace.target.len()).checked_div(n).unwrap_or(0)
+}
+
+/// Body weight, N.
+pub fn weight(trace: &Trace) -> f64 {
+    trace.character.mass() * trace.gravity.norm()
+}
+
+/// Vectors stored `stride` numbers apart, from the offset `at` of each row.
+pub fn vectors(data: &[f64], stride: usize, at: usize) -> Vec<Vec3> {
+    data.chunks_exact(stride).map(|row| Vec3::new(row[at], row[at + 1], row[at + 2])).collect()
+}
+
+/// Links with a joint that muscles move: all but welds and a free root.
+pub fn joints(skeleton: &Skeleton) -> impl Iterator<Item = usize> + '_ {
+    let links = skeleton.links().iter().enumerate();
+    links.filter(|(_, l)| !matches!(l.joint, Joint::Fixed | Joint::Free)).map(|(i, _)| i)
+}
+
+/// Name of a direction: `x`, `−y`, or its number when it is no axis.
+pub fn axis_name(axis: &Vec3, number: usize) -> String {
+    for (i, name) in ["x", "y", "z"].iter().enumerate() {
+        if axis[i].abs() > 0.98 {
+            return if axis[i] > 0.0 { (*name).to_owned() } else { format!("\u{2212}{name}") };
+        }
+    }
+    (number + 1).to_string()
+}
+
+/// A page that says why it is empty.
+pub fn empty_page(title: &str, note: &str, why: &str) -> Figure {
+    let panel = Panel { message: why.to_owned(), ..Panel::default() };
+    page(title, note, &[], &[panel], 1, WIDTH, 180.0)
+}
+
+/// Mean square root of lengths; zero of nothing.
+pub fn rms<'a>(vectors: impl IntoIterator<Item = &'a Vec3>) -> f64 {
+    let (sum, n) = (vectors.into_iter().filter(|v| v.norm().is_finite()))
+        .fold((0.0, 0.0), |(s, n), v| (s + v.norm_squared(), n + 1.0));
+    if n > 0.0 { f64::sqrt(sum / n) } else { 0.0 }
+}

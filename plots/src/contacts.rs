@@ -1,0 +1,148 @@
+//! Contact forces per foot and in total, against body weight.
+//!
+//! In: a [`Trace`]. Out: a page with vertical force, horizontal force and friction used over time. Forces
+//! are means over a control step; a foot is every link at or below the end of a leg.
+
+use dynamics::Trace;
+use motion::Vec3;
+
+use crate::angles::label_time;
+use crate::columns::{WIDTH, empty_page, rows, weight};
+use crate::figure::Figure;
+use crate::gains::zero;
+use crate::panel::{Guide, Key, Panel, Series, Stroke, page};
+use crate::style::{BLUE, Color, GREEN, INK, PURPLE, REFERENCE, VERMILION};
+
+/// Share of body weight from which the friction of a foot is worth a number.
+const LOADED: f64 = 0.05;
+
+/// Vertical and horizontal ground forces per foot and in total.
+pub fn contact_forces(trace: &Trace, note: &str) -> Figure {
+    let title = "Contact forces";
+    let rows = rows(trace);
+    if trace.ground_m.is_none() {
+        let why = "this trace has no ground: nothing touches the body, the root is held from outside";
+        return empty_page(title, note, why);
+    }
+    if rows == 0 || !trace.contacts.iter().any(|c| c.row < rows) {
+        return empty_page(title, note, "no contact in this trace: the body never touches the ground");
+    }
+    let weight = weight(trace);
+    let parts = parts(trace, rows);
+    let mut total = vec![Vec3::zeros(); rows];
+    for c in trace.contacts.iter().filter(|c| c.row < rows) {
+        total[c.row] += c.force;
+    }
+    let all = |f: fn(&Vec3) -> f64, with_total: bool| -> Vec<Series> {
+        let sum = with_total && parts.len() > 1;
+        let of = |forces: &[Vec3], color| Series::over_time(trace.rate_hz, after_start(forces, f), color);
+        let sum = sum.then(|| of(&total, INK).wide(1.3));
+        sum.into_iter().chain(parts.iter().map(|p| of(&p.forces, p.color))).collect()
+    };
+    let horizontal = |f: &Vec3| f.x.hypot(f.z);
+    let friction = parts.iter().map(|p| {
+        let used = |f: &Vec3| if f.y > LOADED * weight { f.x.hypot(f.z) / f.y } else { f64::NAN };
+        Series::over_time(trace.rate_hz, after_start(&p.forces, used), p.color)
+    });
+    let mean = total[1.min(rows)..].iter().map(|f| f.y).sum::<f64>() / rows.saturating_sub(1).max(1) as f64;
+    let mut panels = [
+        Panel {
+            title: format!("vertical · mean {mean:.0} N, body weight {weight:.0} N"),
+            y_label: "N".into(),
+            series: all(|f| f.y, true),
+            guides: vec![
+                zero(true),
+                Guide { y: weight, color: REFERENCE, stroke: Stroke::Dashed, always: true },
+            ],
+            least_span: 10.0,
+            ..Panel::default()
+        },
+        Panel {
+            title: "horizontal, magnitude".into(),
+            y_label: "N".into(),
+            series: all(horizontal, true),
+            guides: vec![zero(true)],
+            least_span: 10.0,
+            ..Panel::default()
+        },
+        Panel {
+            title: "friction used: horizontal over vertical, while over 5 % of body weight".into(),
+            y_label: "ratio".into(),
+            series: friction.collect(),
+            guides: vec![zero(true)],
+            least_span: 0.1,
+            ..Panel::default()
+        },
+    ];
+    label_time(&mut panels, 1);
+    let mut keys: Vec<Key> = parts.iter().map(|p| Key::line(&p.name, p.color)).collect();
+    if parts.len() > 1 {
+        keys.push(Key::line("total", INK));
+    }
+    keys.push(Key::dashed("body weight", REFERENCE));
+    page(title, note, &keys, &panels, 1, WIDTH, 200.0)
+}
+
+/// One number per row; the first row is the start, before any force.
+fn after_start<'a>(forces: &'a [Vec3], f: impl Fn(&Vec3) -> f64 + 'a) -> impl Iterator<Item = f64> + 'a {
+    std::iter::once(f64::NAN).chain(forces.iter().skip(1).map(f))
+}
+
+/// What stands on the ground.
+struct Part {
+    name: String,
+    color: Color,
+    forces: Vec<Vec3>,
+}
+
+/// Feet first, then whatever else touched, most pressed first; the fourth on are one.
+fn parts(trace: &Trace, rows: usize) -> Vec<Part> {
+    let skeleton = &trace.character.skeleton;
+    let links = skeleton.links();
+    let owner: Vec<usize> = (0..links.len())
+        .map(|link| {
+            let mut up = Some(link);
+            while let Some(u) = up {
+                if trace.character.legs().any(|leg| leg.end == u) {
+                    return u;
+                }
+                up = links[u].parent;
+            }
+            link
+        })
+        .collect();
+    let mut pressed: Vec<(usize, f64)> = Vec::new();
+    for c in trace.contacts.iter().filter(|c| c.row < rows && c.link < links.len()) {
+        let part = owner[c.link];
+        match pressed.iter_mut().find(|p| p.0 == part) {
+            Some(p) => p.1 += c.force.y.abs(),
+            None => pressed.push((part, c.force.y.abs())),
+        }
+    }
+    let foot = |part: usize| trace.character.legs().any(|leg| leg.end == part);
+    // feet in the order of the skeleton, so that colours do not depend on who presses more
+    pressed.sort_by(|a, b| match (foot(a.0), foot(b.0)) {
+        (true, true) => a.0.cmp(&b.0),
+        (false, false) => b.1.total_cmp(&a.1).then(a.0.cmp(&b.0)),
+        (x, y) => y.cmp(&x),
+    });
+    let colors = [BLUE, VERMILION, GREEN, PURPLE];
+    let mut out: Vec<Part> = Vec::new();
+    let mut index = vec![None; links.len()];
+    for (i, (part, _)) in pressed.iter().enumerate() {
+        let last = colors.len() - 1;
+        if i > last {
+            out[last].name = format!("{} other links", pressed.len() - last);
+        } else {
+            let (name, color) = (links[*part].name.clone(), colors[i]);
+            out.push(Part { name, color, forces: vec![Vec3::zeros(); rows] });
+        }
+        index[*part] = Some(i.min(last));
+    }
+    for c in trace.contacts.iter().filter(|c| c.row < rows && c.link < links.len()) {
+        if let Some(i) = index[owner[c.link]] {
+            out[i].forces[c.row] += c.force;
+        }
+    }
+    out
+}
