@@ -9,22 +9,23 @@ use crate::failure::Failure;
 const STRIP_EDITED: &str = "strip_edited";
 /// The motion asked for, above the one performed.
 const STRIP_DYNAMIC: &str = "strip_dynamic";
-const JOINT_ANGLES: &str = "joint_angles";
-const GAINS_AND_TORQUES: &str = "gains_and_torques";
-const CONTACT_FORCES: &str = "contact_forces";
-const CENTER_OF_MASS: &str = "center_of_mass";
-const MOMENTUM_RESIDUAL: &str = "momentum_residual";
+
+/// A figure of the trace alone: its name and who draws it.
+type OfTrace = (&'static str, fn(&scenes::Trace, &str) -> Figure);
+
+/// Figures of what was performed.
+const OF_TRACE: &[OfTrace] = &[
+    ("joint_angles", plots::joint_angles),
+    ("gains_and_torques", plots::gains_and_torques),
+    ("contact_forces", plots::contact_forces),
+    ("center_of_mass", plots::center_of_mass),
+    ("momentum_residual", plots::momentum_residual),
+];
 
 /// Names of all figures a run may get.
-pub const STEMS: &[&str] = &[
-    STRIP_EDITED,
-    STRIP_DYNAMIC,
-    JOINT_ANGLES,
-    GAINS_AND_TORQUES,
-    CONTACT_FORCES,
-    CENTER_OF_MASS,
-    MOMENTUM_RESIDUAL,
-];
+pub fn stems() -> impl Iterator<Item = &'static str> {
+    [STRIP_EDITED, STRIP_DYNAMIC].into_iter().chain(OF_TRACE.iter().map(|(stem, _)| *stem))
+}
 
 /// Takes a figure: its name, how to draw it.
 type Draw<'a> = (&'static str, Box<dyn Fn() -> Figure + 'a>);
@@ -43,20 +44,10 @@ pub fn draw(
         figures.push((STRIP_EDITED, Box::new(|| strip_of_edits(stage))));
     }
     if let Some(outcome) = outcome {
-        let trace = &outcome.trace;
-        let note = note(stage, outcome);
-        let page = |draw: fn(_, &str) -> Figure| {
-            let note = note.clone();
-            Box::new(move || draw(trace, &note))
-        };
         figures.push((STRIP_DYNAMIC, Box::new(|| strip_of_run(stage, outcome))));
-        figures.push((JOINT_ANGLES, page(plots::joint_angles)));
-        figures.push((GAINS_AND_TORQUES, page(plots::gains_and_torques)));
-        if trace.ground_m.is_some() {
-            figures.push((CONTACT_FORCES, page(plots::contact_forces)));
+        for &(stem, draw) in OF_TRACE {
+            figures.push((stem, Box::new(move || draw(&outcome.trace, &note(stage, outcome)))));
         }
-        figures.push((CENTER_OF_MASS, page(plots::center_of_mass)));
-        figures.push((MOMENTUM_RESIDUAL, page(plots::momentum_residual)));
     }
     let count = figures.len() as f64;
     for (i, (stem, figure)) in figures.iter().enumerate() {
@@ -83,10 +74,16 @@ fn strip_of_run(stage: &Stage, outcome: &Outcome) -> Figure {
     film_strip_with(&rows, &stage.character, &note(stage, outcome), &options(stage))
 }
 
-/// What tells one run of a scene from another.
+/// What a figure should say under its title.
 fn note(stage: &Stage, outcome: &Outcome) -> String {
     let t = &outcome.trace;
-    format!("{}: tension {}, {} Hz × {}", stage.name, stage.physics.tension, t.rate_hz, t.substeps)
+    let root = match t.root {
+        scenes::RootMode::Free => "free",
+        scenes::RootMode::Assisted { .. } => "assisted",
+        scenes::RootMode::Pinned => "pinned",
+    };
+    let tension = stage.physics.tension;
+    format!("{}: tension {tension}, root {root}, {} Hz, {} substeps", stage.name, t.rate_hz, t.substeps)
 }
 
 /// As the scene wants its strips.

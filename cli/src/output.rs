@@ -111,8 +111,7 @@ fn first_missing(path: &Path) -> Option<PathBuf> {
 
 /// Every file a run may leave in its folder, relative to it.
 fn ours() -> impl Iterator<Item = PathBuf> {
-    let figures = figures::STEMS
-        .iter()
+    let figures = figures::stems()
         .flat_map(|stem| ["svg", "png"].map(|kind| Path::new(PLOTS).join(format!("{stem}.{kind}"))));
     OURS.iter().map(PathBuf::from).chain(figures)
 }

@@ -29,6 +29,7 @@ pub mod source_map;
 pub mod stage;
 
 pub use angle::Angle;
+pub use dynamics::{RootMode, Trace};
 pub use error::{SceneError, Source};
 pub use overrides::Overrides;
 pub use report::Report;

@@ -149,7 +149,7 @@ fn every_fault_is_named_at_its_place() {
         ("at_m: (0, 1, 0)", "at_m: (0, NaN, 0)", (15, 54), "NaN is not a finite number"),
         ("mass_kg: 1, ", "mas_kg: 1, ", (6, 13), "Unexpected field named `mas_kg`"),
         ("joint: Free", "joint: Fre", (5, 34), "Unexpected variant named `Fre`"),
-        ("mass_kg: 1, ", "mass_kg: \"one\", ", (6, 21), "Expected float"),
+        ("mass_kg: 1, ", "mass_kg: \"one\", ", (6, 22), "Expected float"),
     ] {
         let e = fault(from, to);
         assert!(e.message.contains(words), "{to}\n{e}\nwanted: {words}");

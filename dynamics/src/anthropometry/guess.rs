@@ -11,6 +11,8 @@
 //! fifth of head-with-neck goes to the neck joints by length, a tenth of the upper trunk to each
 //! collar bone (the table has neither).
 
+use argmin::core::{CostFunction, Executor};
+use argmin::solver::brent::BrentRoot;
 use std::collections::BTreeMap;
 use std::fmt;
 use std::sync::Arc;
@@ -401,16 +403,10 @@ impl<'a> Builder<'a> {
     /// Standing at ease: arms hang away from the trunk, elbows and knees a little bent, feet flat on
     /// height 0, the legs leaning so that the centre of mass is above the middle of the soles.
     fn rest(&self, skeleton: &Skeleton, abduction: f64) -> Vec<f64> {
-        let (mut lo, mut hi) = (-10f64.to_radians(), 15f64.to_radians());
-        let mut q = Vec::new();
-        // The centre of mass moves forward with the lean, monotonically: bisection to 1e-9 rad.
-        for _ in 0..32 {
-            let lean = 0.5 * (lo + hi);
-            let (pose, ahead) = self.stand(skeleton, abduction, lean);
-            q = pose;
-            if ahead > 0.0 { hi = lean } else { lo = lean }
-        }
-        q
+        // The centre of mass moves forward with the lean, monotonically.
+        let (back, front) = (-10f64.to_radians(), 15f64.to_radians());
+        let lean = root_between(back, front, |lean| self.stand(skeleton, abduction, lean).1);
+        self.stand(skeleton, abduction, lean).0
     }
 
     /// The pose with a given lean of the thighs, and how far the centre of mass is ahead of the soles.
@@ -489,4 +485,26 @@ impl<'a> Builder<'a> {
 
 fn outer(v: &Vec3) -> Matrix3<f64> {
     v * v.transpose()
+}
+
+/// Root of an increasing function between `lo` and `hi` by Brent's method, to 1e-12; the nearer end where it
+/// has none.
+fn root_between(lo: f64, hi: f64, f: impl Fn(f64) -> f64) -> f64 {
+    struct Function<F>(F);
+    impl<F: Fn(f64) -> f64> CostFunction for Function<F> {
+        type Param = f64;
+        type Output = f64;
+        fn cost(&self, x: &f64) -> Result<f64, argmin::core::Error> {
+            Ok(self.0(*x))
+        }
+    }
+    if f(lo) >= 0.0 {
+        return lo;
+    }
+    if f(hi) <= 0.0 {
+        return hi;
+    }
+    let solver = BrentRoot::new(lo, hi, 1e-12);
+    let run = Executor::new(Function(f), solver).configure(|s| s.param(0.5 * (lo + hi)).max_iters(100)).run();
+    run.ok().and_then(|r| r.state.best_param).unwrap_or(0.5 * (lo + hi))
 }
