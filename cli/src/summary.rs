@@ -6,6 +6,8 @@ use std::path::Path;
 use scenes::report::{DynamicReport, FeetReport};
 use scenes::{Report, Stage};
 
+use crate::output::PLOTS;
+
 /// Joints named as sagging.
 const SAGGING: usize = 5;
 
@@ -61,7 +63,14 @@ fn write(out: &mut String, stage: &Stage, report: &Report, dir: &Path) -> std::f
     if let Some(d) = &report.dynamic {
         performed(out, d)?;
     }
-    for (i, name) in report.files.values().filter(|f| !f.ends_with(".svg")).enumerate() {
+    let (figures, mut files): (Vec<&String>, Vec<&String>) =
+        report.files.values().partition(|name| name.starts_with(PLOTS));
+    let figures = figures.iter().filter(|name| name.ends_with(".svg")).count();
+    let plots = format!("{PLOTS}/ ({figures} figures, each as .svg and .png)");
+    if figures > 0 {
+        files.push(&plots);
+    }
+    for (i, name) in files.iter().enumerate() {
         line(out, if i == 0 { "files" } else { "" }, dir.join(name).display().to_string())?;
     }
     Ok(())

@@ -9,11 +9,12 @@ use std::path::Path;
 
 use dynamics::anthropometry::{BodyOptions, BodyReport, guess_body_of_clip};
 use dynamics::{Character, JointClass};
-use motion::format::bvh::{self, Chosen, ImportOptions, ImportReport};
+use motion::format::bvh::{self, ImportOptions, ImportReport};
 use motion::{Clip, Dof, Joint, Kinematics, Limits, Range, Shape, Skeleton, Tracks, Value};
 use serde::Serialize;
 
 use crate::angle::deg_from_quat;
+use crate::report::{chosen, root_name};
 use crate::scene::{self, Scene};
 use crate::stage::edited_tracks;
 use crate::{Source, StageError, character_file};
@@ -365,7 +366,7 @@ fn of_scene(scene: &Scene) -> Result<SceneInspection, StageError> {
         body: body(&scene.character),
         rate_hz: scene.rate_hz,
         duration_s: tracks.duration_s + scene.settle_s,
-        root: crate::report::root_name(scene.physics.root),
+        root: root_name(scene.physics.root),
         planted: scene.planted.iter().map(|&l| s.limbs()[l].name.clone()).collect(),
         actions: scene
             .script
@@ -427,11 +428,6 @@ fn of_clip(
     guess: Option<&BodyReport>,
     no_body: Option<String>,
 ) -> ClipInspection {
-    let chosen = |c: Chosen| match c {
-        Chosen::Stated => "stated",
-        Chosen::Guessed => "guessed",
-        Chosen::Unsure => "unsure",
-    };
     let lines = |text: String| text.lines().map(|l| l.trim_end().to_owned()).collect();
     ClipInspection {
         frames: clip.frames(),

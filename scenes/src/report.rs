@@ -5,12 +5,14 @@
 //! fields are only ever added.
 
 use dynamics::{JointClass, RootMode, Trace};
+use motion::format::bvh::Chosen;
 use motion::metrics::{self, FeetMetrics, JointError};
 use motion::{Clip, Vec3};
 use serde::Serialize;
 use sim::Outcome;
 
 use crate::Stage;
+use crate::stage::ClipSource;
 
 /// All numbers of a run.
 #[derive(Clone, Debug, Serialize)]
@@ -23,6 +25,9 @@ pub struct Report {
     pub rate_hz: f64,
     /// Length, s.
     pub duration_s: f64,
+    /// How the clip was read; absent for a scene.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub clip: Option<ClipReport>,
     /// The body.
     pub character: CharacterReport,
     /// The motion asked for.
@@ -34,6 +39,46 @@ pub struct Report {
     pub edit_conflicts: usize,
     /// Files written, by what they hold; paths relative to the report.
     pub files: std::collections::BTreeMap<String, String>,
+}
+
+/// How a clip was read: what its file does not say.
+#[derive(Clone, Debug, Serialize)]
+pub struct ClipReport {
+    /// Metres in one unit of the file.
+    pub metres_per_unit: f64,
+    /// Where that comes from: `stated`, `guessed` or `unsure`.
+    pub units: &'static str,
+    /// Vertical axis of the file, `Y` or `Z`.
+    pub up: String,
+    /// Where that comes from.
+    pub up_axis: &'static str,
+    /// Whether the first frame is an inserted T-pose: dropped, kept, or null if it is none.
+    pub t_pose_dropped: Option<bool>,
+    /// Whether the body was guessed.
+    pub body_guessed: bool,
+}
+
+impl ClipReport {
+    fn new(source: &ClipSource) -> Self {
+        let import = &source.import;
+        Self {
+            metres_per_unit: import.units.metres_per_unit,
+            units: chosen(import.units.chosen),
+            up: format!("{:?}", import.up.axis),
+            up_axis: chosen(import.up.chosen),
+            t_pose_dropped: import.t_pose_dropped,
+            body_guessed: source.body.is_some(),
+        }
+    }
+}
+
+/// `stated`, `guessed` or `unsure`.
+pub(crate) fn chosen(by: Chosen) -> &'static str {
+    match by {
+        Chosen::Stated => "stated",
+        Chosen::Guessed => "guessed",
+        Chosen::Unsure => "unsure",
+    }
 }
 
 /// The body.
@@ -196,6 +241,7 @@ impl Report {
             frames: stage.kinematic.frames(),
             rate_hz: stage.kinematic.rate_hz,
             duration_s: stage.kinematic.duration_s(),
+            clip: stage.clip.as_ref().map(ClipReport::new),
             character: CharacterReport {
                 name: c.name.clone(),
                 links: c.skeleton.links().len(),

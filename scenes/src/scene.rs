@@ -290,7 +290,7 @@ impl Check<'_> {
                 Angle::One(x) => vec![*x],
                 Angle::Ball(xyz) => xyz.to_vec(),
             };
-            if let Some(bad) = numbers.iter().find(|x| !(x.abs() <= 3600.0)) {
+            if let Some(bad) = numbers.iter().find(|x| !(-3600.0..=3600.0).contains(*x)) {
                 return Err(self.source.error(&at, format!("`{name}` is {bad}°; allowed: -3600 to 3600")));
             }
             let hinge = matches!(skeleton.links()[dof.link()].joint, Joint::Revolute(_));

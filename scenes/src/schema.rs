@@ -371,7 +371,7 @@ pub enum BlendRon {
     /// Stiffness and rest angle.
     #[default]
     RestAngle,
-    /// The two gains, literally as in [NF02].
+    /// The two gains, literally as in NF02.
     Gains,
 }
 

@@ -97,7 +97,19 @@ fn the_same_bytes_everywhere() {
     assert_eq!(Done::of(&done).code, 0);
     let (a, b) = (here.files("out"), there.files("deep/er/out"));
     assert_eq!(a.len(), b.len());
-    assert!(a.iter().any(|(name, _)| name == "plots/strip_edited.png"));
+    let figures: Vec<&str> = a.iter().filter_map(|(name, _)| name.strip_suffix(".png")).collect();
+    assert_eq!(
+        figures,
+        [
+            "plots/center_of_mass",
+            "plots/contact_forces",
+            "plots/gains_and_torques",
+            "plots/joint_angles",
+            "plots/momentum_residual",
+            "plots/strip_dynamic",
+            "plots/strip_edited",
+        ]
+    );
     for ((name, a), (other, b)) in a.iter().zip(&b) {
         assert_eq!(name, other);
         if name == "report.json" {
@@ -172,7 +184,9 @@ fn a_locked_door() {
 fn a_run_that_diverges() {
     let place = Place::new();
     let push = "settle_s: 0.2, pushes: [Push(link: \"wrist_r\", impulse_ns: (1e6, 0, 0), start_s: 0.1)]";
-    let done = place.render(&place.scene("settle_s: 0.2", push), &[]);
+    let scene = place.scene("settle_s: 0.2", push);
+    // with figures: they must bear a short trace
+    let done = place.run(&["render", scene.to_str().unwrap(), "--out", "out"]);
     assert_eq!(done.code, 1, "{}", done.stdout);
     for word in ["diverged at step", " s), first seen at `", "is in out"] {
         assert!(done.stderr.contains(word), "{}", done.stderr);
@@ -180,7 +194,7 @@ fn a_run_that_diverges() {
     assert!(done.stdout.contains("FAILED"), "{}", done.stdout);
     let r = report(&place, "out");
     assert!(field(&r, "dynamic.diverged").as_str().unwrap().contains("diverged"));
-    assert_eq!(place.files("out").len(), 5);
+    assert_eq!(place.files("out").len(), 5 + 14);
 }
 
 /// A fall is no failure, but it is not kept quiet.
