@@ -156,7 +156,7 @@ fn sizes(of: &[Vec3], unit: &str, weight: f64) -> String {
 /// Three significant digits.
 fn short(x: f64) -> String {
     match x.abs() {
-        a if a == 0.0 => "0".into(),
+        0.0 => "0".into(),
         a if a < 1e-3 => format!("{x:.1e}"),
         a if a < 1.0 => format!("{x:.3}"),
         a if a < 10.0 => format!("{x:.2}"),
