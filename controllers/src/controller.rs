@@ -15,11 +15,12 @@ use std::sync::Arc;
 use dynamics::{Character, Model, State};
 use motion::ik::IkError;
 use motion::plant::Plant;
+use motion::support::Vec2;
 use motion::{Dof, Limits, Range, Tracks, Value, Vec3};
 
 use crate::antagonist::SetPoints;
 use crate::balance::{Balance, BalanceSettings, LegMuscle};
-use crate::support::{Foot, wrenches};
+use crate::support::{Foot, polygon, wrenches};
 use crate::tension::{Need, StanceLeg, TensionScale, needs};
 use crate::transition::{GainBlend, Transition};
 use crate::{Drive, Goal, Rest, rest_of};
@@ -38,6 +39,8 @@ pub struct Setup {
     pub tension: f64,
     /// Feet that stand throughout; empty when the root is pinned.
     pub plants: Vec<Plant>,
+    /// Height of the ground that carries the body, m; `None` when the root is pinned or hangs in the air.
+    pub ground_m: Option<f64>,
     /// Parameters of the balance property.
     pub balance: BalanceSettings,
     /// What transitions interpolate.
@@ -79,6 +82,11 @@ struct Event {
     changes: Vec<Change>,
 }
 
+/// A foot of the goal stands when its lowest corner is this near the ground, m, …
+const NEAR: f64 = 0.03;
+/// … and its middle this slow, m/s.
+const SLOW: f64 = 0.5;
+
 /// Turns a goal into drives. See the module header.
 pub struct Controller {
     /// The body, compiled.
@@ -95,6 +103,8 @@ pub struct Controller {
     next_event: usize,
     balance: Option<Balance>,
     feet: Vec<Foot>,
+    /// Ground under feet that come and go; `None` where balance or a pin carries the body.
+    ground_m: Option<f64>,
     drives: Vec<Drive>,
     sagging: Vec<Sagging>,
     slack: Vec<Option<Sagging>>,
@@ -167,6 +177,7 @@ impl Controller {
             muscles: Vec::new(),
             events: Vec::new(),
             next_event: 0,
+            ground_m: if balance.is_none() { setup.ground_m } else { None },
             balance,
             feet,
             drives: vec![Drive::NONE; model.bodies.len()],
@@ -265,11 +276,43 @@ impl Controller {
         Ok(&self.drives)
     }
 
-    /// Inverse dynamics of the goal in `row`, into `self.tau`.
+    /// Inverse dynamics of the goal in `row`, into `self.tau`, on the feet that stand in it.
     fn feed_forward(&mut self, row: usize) {
         let (q, v, vd) = (self.goal.pose(row), self.goal.velocity(row), self.goal.acceleration(row));
         self.state.update(&self.model, q, v);
         self.state.inverse_dynamics(&self.model, v, vd, &[], &mut self.tau);
+        let Some(ground_m) = self.ground_m else { return };
+        let support = self.ground_reaction(ground_m);
+        if !support.is_empty() {
+            self.state.inverse_dynamics(&self.model, v, vd, &support, &mut self.tau);
+        }
+    }
+
+    /// The root wrench that `self.tau` asks for, passed to the feet that stand: its force at its centre of
+    /// pressure on the ground, moved inside the soles. Empty in flight.
+    fn ground_reaction(&self, ground_m: f64) -> Vec<dynamics::Wrench> {
+        let standing: Vec<Foot> = self
+            .feet
+            .iter()
+            .filter(|f| {
+                let lowest = f.corners_in_world(&self.model, &self.state);
+                let lowest = lowest.iter().map(|p| p.y).fold(f64::INFINITY, f64::min);
+                lowest < ground_m + NEAR && f.speed(&self.model, &self.state) < SLOW
+            })
+            .cloned()
+            .collect();
+        let zero = self.state.bodies[0].zero;
+        let force = zero * motion::skeleton::vec_at(&self.tau, 0);
+        if standing.is_empty() || force.y <= 0.0 {
+            return Vec::new();
+        }
+        // about the point of the ground under the world's origin: M = p × F, p in the ground
+        let root = self.state.bodies[0].world.translation.vector - Vec3::y() * ground_m;
+        let moment = zero * motion::skeleton::vec_at(&self.tau, 3) + root.cross(&force);
+        let pressure = Vec2::new(moment.z, -moment.x) / force.y;
+        let soles = polygon(&standing, &self.model, &self.state);
+        let pressure = soles.nearest(&pressure).unwrap_or(pressure);
+        wrenches(&standing, &self.model, &self.state, pressure, force)
     }
 
     fn tracked(&mut self, body: usize, row: usize, stiffness: f64, damping: f64) -> Drive {

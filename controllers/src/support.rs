@@ -45,6 +45,13 @@ impl Foot {
         self.corners.iter().map(|(link, at)| state.point(model, *link, at)).collect()
     }
 
+    /// Speed of the middle of the sole, m/s.
+    pub fn speed(&self, model: &Model, state: &State) -> f64 {
+        let velocity: Vec3 =
+            self.corners.iter().map(|(link, at)| state.point_velocity(model, *link, at)).sum();
+        velocity.norm() / self.corners.len() as f64
+    }
+
     /// Mean of the corners in the world, m.
     pub fn center(&self, model: &Model, state: &State) -> Vec3 {
         let sum: Vec3 = self.corners.iter().map(|(link, at)| state.point(model, *link, at)).sum();

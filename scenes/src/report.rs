@@ -375,7 +375,14 @@ fn residual(t: &Trace, mass: f64) -> Vec<(Vec3, Vec3)> {
 }
 
 fn root(t: &Trace, mass: f64) -> RootReport {
-    let residual = residual(t, mass);
+    // what the assist or the pin did is on record; a free root has only what nothing explains
+    let residual: Vec<(Vec3, Vec3)> = match t.root {
+        RootMode::Free => residual(t, mass),
+        _ => {
+            let part = |w: &[f64], at| motion::skeleton::vec_at(w, at);
+            t.root_wrench.chunks_exact(6).map(|w| (part(w, 0), part(w, 3))).collect()
+        }
+    };
     let n = residual.len().saturating_sub(1).max(1) as f64;
     let rms = (residual.iter().map(|(f, _)| f.norm_squared()).sum::<f64>() / n).sqrt();
     RootReport {

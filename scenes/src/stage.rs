@@ -380,6 +380,7 @@ impl Stage {
                 tracks: self.tracks.clone(),
                 tension: p.tension,
                 plants: if held { Vec::new() } else { self.plants.clone() },
+                ground_m: if held { None } else { p.ground.map(|g| g.height_m) },
                 balance: BalanceSettings::default(),
                 blend: p.blend,
             },

@@ -56,6 +56,7 @@ fn whole(c: &Arc<Character>, scripted: bool) -> Run {
         tracks: scripted.then_some(tracks),
         tension: 1.0,
         plants: c.legs().map(|l| Plant::here(s, &c.rest, l)).collect(),
+        ground_m: None,
         balance: BalanceSettings::default(),
         blend: GainBlend::RestAngle,
     };

@@ -38,6 +38,7 @@ pub fn follow(c: &Arc<Character>, clip: &Clip, gravity: Vec3, tension: f64, rate
         tracks: None,
         tension,
         plants: Vec::new(),
+        ground_m: None,
         balance: BalanceSettings::default(),
         blend: GainBlend::RestAngle,
     };
@@ -115,6 +116,7 @@ pub fn perform(c: &Arc<Character>, tracks: &Tracks, root: RootMode, rate_hz: f64
         tracks: Some(tracks.clone()),
         tension: 1.0,
         plants: if pinned { Vec::new() } else { plants },
+        ground_m: None,
         balance: BalanceSettings::default(),
         blend: GainBlend::RestAngle,
     };
