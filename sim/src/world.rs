@@ -86,6 +86,11 @@ pub struct World {
     steps: usize,
 }
 
+/// Factor on the engine's natural frequencies of contacts. At 1 feet sink deeper the smaller the step, because
+/// the compliance follows the apparent mass M + dt D + dt² K: 0.15 mm at 240 Hz, 0.63 mm at 1920 Hz under
+/// the bow, and knees drift with it. At 4 it is 0.014 mm at 240 Hz, and the run converges.
+const CONTACT_STIFFENING: f64 = 4.0;
+
 /// Above this rate (rad/s or m/s) no character moves: the run has diverged.
 const RUNAWAY: f64 = 1e3;
 
@@ -110,6 +115,8 @@ impl World {
         p.contact_clustering = false;
         p.contact_recycling = false;
         p.max_ccd_substeps = 0;
+        p.contact_softness.natural_frequency *= CONTACT_STIFFENING;
+        p.static_contact_softness.natural_frequency *= CONTACT_STIFFENING;
 
         let root = &model.bodies[0];
         let free_root = matches!(root.joint, Joint::Free);
