@@ -147,6 +147,7 @@ fn drives(
         tracks: Some(script.build(s, &c.rest).unwrap()),
         tension: 1.0,
         plants: plants.to_vec(),
+        ground_m: None,
         balance,
         blend: GainBlend::RestAngle,
     };
