@@ -11,6 +11,7 @@
 /// ```
 /// use motion::names::nearest;
 /// assert_eq!(nearest("elbw_r", ["elbow_l", "elbow_r"]), Some("elbow_r"));
+/// assert_eq!(nearest("Wirst_R", ["elbow_r", "wrist_r"]), Some("wrist_r"));
 /// assert_eq!(nearest("tail", ["elbow_l", "elbow_r"]), None);
 /// ```
 pub fn nearest<'a>(name: &str, candidates: impl IntoIterator<Item = &'a str>) -> Option<&'a str> {

@@ -7,6 +7,7 @@
 use std::fmt;
 use std::path::{Path, PathBuf};
 
+use motion::names::nearest;
 use serde::de::DeserializeOwned;
 
 use crate::source_map::{SourceMap, line_column};
@@ -151,52 +152,9 @@ fn with_found(message: String, rest_of_line: &str) -> String {
     }
 }
 
-/// The candidate most like `name`, if one is like it: at most a third of its letters (and at least two)
-/// changed, added, dropped or swapped, ignoring case.
-pub fn nearest<'a>(name: &str, candidates: impl IntoIterator<Item = &'a str>) -> Option<&'a str> {
-    let limit = (name.chars().count() / 3).max(2);
-    let lower = name.to_lowercase();
-    candidates
-        .into_iter()
-        .map(|c| (distance(&lower, &c.to_lowercase()), c))
-        .filter(|(d, c)| *d <= limit && *d < c.chars().count())
-        .min_by_key(|(d, _)| *d)
-        .map(|(_, c)| c)
-}
-
-/// Letters changed, added, dropped or swapped with a neighbour (optimal string alignment).
-fn distance(a: &str, b: &str) -> usize {
-    let (a, b): (Vec<char>, Vec<char>) = (a.chars().collect(), b.chars().collect());
-    let mut d = vec![vec![0; b.len() + 1]; a.len() + 1];
-    for i in 0..=a.len() {
-        for j in 0..=b.len() {
-            d[i][j] = if i == 0 || j == 0 {
-                i + j
-            } else {
-                let change = usize::from(a[i - 1] != b[j - 1]);
-                let mut best = (d[i - 1][j] + 1).min(d[i][j - 1] + 1).min(d[i - 1][j - 1] + change);
-                if i > 1 && j > 1 && a[i - 1] == b[j - 2] && a[i - 2] == b[j - 1] {
-                    best = best.min(d[i - 2][j - 2] + 1);
-                }
-                best
-            };
-        }
-    }
-    d[a.len()][b.len()]
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn nearest_names_are_offered() {
-        let names = ["elbow_r", "elbow_l", "knee_r", "wrist_r"];
-        assert_eq!(nearest("elbw_r", names), Some("elbow_r"));
-        assert_eq!(nearest("Knee_R", names), Some("knee_r"));
-        assert_eq!(nearest("wirst_r", names), Some("wrist_r"));
-        assert_eq!(nearest("tail", names), None);
-    }
 
     #[test]
     fn an_error_reads_well() {
