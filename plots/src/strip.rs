@@ -1,11 +1,11 @@
-//! Film strips: figures evenly spaced in time, one row per motion, as [NF03] prints its results.
+//! Film strips: figures evenly spaced in time, one row per motion, as [NF03, Fig. 3] prints its results.
 //!
 //! In: clips of one character. Out: a [`Figure`]: solid bodies on a floor, left and right limbs in
 //! different tints, times below. All rows share times, scale and viewer, so that figures above each
 //! other can be compared. A motion that travels is followed; one that stays is not, so that planted
 //! feet are seen to stay.
 //!
-//! [NF03] Neff, Fiume. Aesthetic Edits for Character Animation, SCA 2003, Fig. 3.
+//! Source: Neff, Fiume. Aesthetic Edits for Character Animation, SCA 2003 (NF03).
 
 use dynamics::{Character, JointClass};
 use motion::support::Vec2;
