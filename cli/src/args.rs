@@ -96,6 +96,9 @@ pub struct RenderArgs {
     /// assisted:FORCE_N,MOMENT_NM [default: the scene's; pinned for a clip]
     #[arg(long, value_name = "ROOT")]
     pub root: Option<RootChoice>,
+    /// Leave out the edits of the scene
+    #[arg(long)]
+    pub no_edits: bool,
     /// Write the motion asked for, without physics
     #[arg(long)]
     pub kinematic: bool,

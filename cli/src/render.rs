@@ -23,6 +23,7 @@ pub fn run(args: &RenderArgs) -> Result<(), Failure> {
     progress.part("staging");
     let stage = scenes::open_with(&args.input, args.body.as_deref(), &args.clip.import(), &args.overrides())
         .map_err(Failure::input)?;
+    let stage = if args.no_edits { stage.without_edits() } else { stage };
     let dir = args.out.clone().unwrap_or_else(|| Path::new("out").join(&stage.name));
     // an hour of simulation must not end at a locked door
     Output::check(&dir)?;
@@ -77,6 +78,12 @@ pub fn run(args: &RenderArgs) -> Result<(), Failure> {
 /// Refuses options that would do nothing.
 fn check(args: &RenderArgs) -> Result<(), Failure> {
     let is_scene = args.input.extension().is_some_and(|e| e.eq_ignore_ascii_case("ron"));
+    if args.no_edits && !is_scene {
+        let path = args.input.display();
+        return Err(Failure::Input(format!(
+            "--no-edits is for scenes (.ron); {path} is a clip without edits"
+        )));
+    }
     let option = args.clip.given().or(args.body.as_ref().map(|_| "--body"));
     match option.filter(|_| is_scene) {
         Some(option) => {

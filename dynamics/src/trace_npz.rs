@@ -35,9 +35,9 @@ use std::io::{self, BufWriter, Seek, Write};
 use std::path::Path;
 
 use motion::{Joint, Skeleton, Vec3};
-use npyz::npz::NpzWriter;
-use npyz::zip::{CompressionMethod, DateTime, write::FileOptions};
-use npyz::{AutoSerialize, DType, WriterBuilder};
+use npyz::{AutoSerialize, DType, WriteOptions, WriterBuilder};
+use zip::write::FileOptions;
+use zip::{CompressionMethod, DateTime, ZipWriter};
 
 use crate::{RootMode, Trace};
 
@@ -78,7 +78,7 @@ impl Trace {
         let skeleton = &*self.character.skeleton;
         let links = skeleton.links();
         let (nq, nv, count) = (skeleton.nq(), skeleton.nv(), links.len());
-        let mut npz = Arrays(NpzWriter::new(out));
+        let mut npz = Arrays(ZipWriter::new(out));
 
         npz.numbers("rate_hz", &[], &[self.rate_hz])?;
         npz.numbers("substeps", &[], &[self.substeps as i64])?;
@@ -154,7 +154,7 @@ impl Trace {
         npz.text("dof_name", &[nv as u64], &names.iter().map(String::as_str).collect::<Vec<_>>())?;
         let units: Vec<&str> = UNITS.iter().flat_map(|u| [u.0, u.1]).collect();
         npz.text("units", &[UNITS.len() as u64, 2], &units)?;
-        npz.0.zip_writer().finish()?.flush()
+        npz.0.finish()?.flush()
     }
 
     /// Writes the trace to a file, under a temporary name first: a failure leaves an earlier file whole.
@@ -174,13 +174,20 @@ impl Trace {
     }
 }
 
-struct Arrays<W: Write + Seek>(NpzWriter<W>);
+struct Arrays<W: Write + Seek>(ZipWriter<W>);
 
 impl<W: Write + Seek> Arrays<W> {
     fn numbers<T: AutoSerialize>(&mut self, name: &str, shape: &[u64], data: &[T]) -> io::Result<()> {
-        let mut array = self.0.array(name, options())?.default_dtype().shape(shape).begin_nd()?;
+        let mut bytes = Vec::new();
+        let mut array = WriteOptions::new().default_dtype().shape(shape).writer(&mut bytes).begin_nd()?;
         array.extend(data)?;
-        array.finish()
+        array.finish()?;
+        self.entry(name, &bytes)
+    }
+
+    fn entry(&mut self, name: &str, npy: &[u8]) -> io::Result<()> {
+        self.0.start_file(format!("{name}.npy"), options())?;
+        self.0.write_all(npy)
     }
 
     fn table(&mut self, name: &str, columns: usize, data: &[f64]) -> io::Result<()> {
@@ -191,10 +198,12 @@ impl<W: Write + Seek> Arrays<W> {
     fn text(&mut self, name: &str, shape: &[u64], data: &[&str]) -> io::Result<()> {
         let width = data.iter().map(|s| s.chars().count()).max().unwrap_or(0).max(1);
         let dtype = format!("<U{width}").parse().map_err(io::Error::other)?;
-        let array = self.0.array::<str>(name, options())?;
-        let mut array = array.dtype(DType::Plain(dtype)).shape(shape).begin_nd()?;
+        let mut bytes = Vec::new();
+        let options = WriteOptions::<str>::new().dtype(DType::Plain(dtype)).shape(shape);
+        let mut array = options.writer(&mut bytes).begin_nd()?;
         data.iter().try_for_each(|s| array.push(s))?;
-        array.finish()
+        array.finish()?;
+        self.entry(name, &bytes)
     }
 }
 

@@ -184,8 +184,8 @@ pub struct JointReport {
 pub struct RootReport {
     /// `free`, `assisted` or `pinned`.
     pub mode: String,
-    /// Largest force that neither gravity nor contacts explain, N: assist, pin, or when free the error of the
-    /// integrator.
+    /// Largest force that neither gravity nor contacts explain, N: of the assist, of the pin, or when free the
+    /// error of the integrator.
     pub residual_force_peak_n: f64,
     /// RMS of that force, N.
     pub residual_force_rms_n: f64,

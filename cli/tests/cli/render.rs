@@ -61,7 +61,11 @@ fn the_bow() {
 
     // another road: the balance of momentum from the trace, by a program that shares no code
     let script = root().join("tests/momentum_balance.py");
-    let balance = Command::new("python3").arg(script).arg(place.at("out/trace.npz")).output();
+    let balance = Command::new("python3")
+        .arg(script)
+        .arg(place.at("out/trace.npz"))
+        .args(["--max-rms", "0.5", "--max-weight-error", "0.5"])
+        .output();
     let balance = Done::of(&balance.expect("python3 is needed for this test"));
     assert_eq!(balance.code, 0, "{}{}", balance.stdout, balance.stderr); // 0.16 % RMS seen
 
@@ -75,6 +79,24 @@ fn the_bow() {
     let reader = channel.reader(|_| Some(&blob));
     let times: Vec<f32> = reader.read_inputs().unwrap().collect();
     assert_eq!(times.len(), field(&r, "frames").as_u64().unwrap() as usize);
+}
+
+/// Without its edits a scene is the script alone; a clip has none to leave out.
+#[test]
+fn without_edits() {
+    let place = Place::new();
+    let bow = root().join("scenes/bow.ron").canonicalize().unwrap();
+    let mut jerk = Vec::new();
+    for args in [&["--kinematic"][..], &["--kinematic", "--no-edits"]] {
+        let done = place.render(&bow, args);
+        assert_eq!(done.code, 0, "{}", done.stderr);
+        jerk.push(field(&report(&place, "out"), "kinematic.jerk_ratio").as_f64().unwrap());
+    }
+    assert!(jerk[0] < 0.9 && jerk[1] == 1.0, "{jerk:?}");
+    let clip = place.clip("", "");
+    let done = place.render(&clip, &["--no-edits"]);
+    assert_eq!(done.code, 2);
+    assert!(done.stderr.contains("--no-edits is for scenes"), "{}", done.stderr);
 }
 
 /// Same input, same bytes: from another folder, locale and number of threads; but for the clock.
