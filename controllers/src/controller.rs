@@ -136,10 +136,14 @@ impl Controller {
             setup.plants.iter().filter_map(|p| feet.iter().find(|f| f.limb == p.limb).cloned()).collect();
         let balance = (!planted.is_empty())
             .then(|| Balance::new(&model, setup.balance, planted.clone(), setup.plants.clone()));
-        let stance: Vec<StanceLeg> =
-            planted.iter().map(|f| StanceLeg::new(&model, &f.limb, 1.0 / planted.len() as f64)).collect();
+        // feet that stand share the body; of feet that come and go each may have to carry all of it
+        let (carrying, share) = match (planted.len(), setup.ground_m) {
+            (0, Some(_)) => (feet.clone(), 1.0),
+            (n, _) => (planted, 1.0 / n.max(1) as f64),
+        };
+        let stance = carrying.iter().map(|f| StanceLeg::new(&model, &f.limb, share)).collect();
         let mut planner =
-            Planner { model: &model, set_points: &set_points, stance, planted, cache: Vec::new() };
+            Planner { model: &model, set_points: &set_points, stance, carrying, cache: Vec::new() };
         let mut times: Vec<f64> = match &setup.tracks {
             Some(t) => t.elements().flat_map(|(_, e)| [e.start_s, e.arrives_s()]).collect(),
             None => Vec::new(),
@@ -497,7 +501,7 @@ struct Planner<'a> {
     model: &'a Model,
     set_points: &'a [SetPoints],
     stance: Vec<StanceLeg>,
-    planted: Vec<Foot>,
+    carrying: Vec<Foot>,
     cache: Vec<(usize, Vec<Need>)>,
 }
 
@@ -510,11 +514,11 @@ impl Planner<'_> {
         let q = goal.pose(row);
         let mut state = State::new(self.model);
         state.update(self.model, q, &vec![0.0; self.model.nv()]);
-        let loads = if self.planted.is_empty() {
+        let loads = if self.carrying.is_empty() {
             Vec::new()
         } else {
             let com = motion::support::ground(&state.com(self.model));
-            wrenches(&self.planted, self.model, &state, com, -self.model.gravity * self.model.mass)
+            wrenches(&self.carrying, self.model, &state, com, -self.model.gravity * self.model.mass)
         };
         let found = needs(self.model, self.set_points, q, &self.stance, &loads);
         self.cache.push((row, found.clone()));
