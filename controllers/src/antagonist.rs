@@ -213,7 +213,7 @@ impl SetPoints {
 ///
 /// R = exp(s) exp(φ₂ a₂) with s = φ₀ a₀ + φ₁ a₁: the swings turn by J(s) a₀ and J(s) a₁, the twist about
 /// the swung bone.
-fn anatomical(set: &BallLimits, r: &Quat) -> (Vec3, Matrix3<f64>) {
+pub(crate) fn anatomical(set: &BallLimits, r: &Quat) -> (Vec3, Matrix3<f64>) {
     let phi = set.coords(r);
     let s = set.axes[0] * phi[0] + set.axes[1] * phi[1];
     let twist = exp(&s) * set.axes[2];

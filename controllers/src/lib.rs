@@ -3,6 +3,7 @@
 //! | module | holds |
 //! |---|---|
 //! | [`antagonist`] | pairs of springs: gains, least tension, set points |
+//! | [`stops`] | what ligaments do beyond a joint's range |
 //! | [`tension`] | from dimensionless tension to stiffness and damping |
 //! | [`transition`] | gains along a transition |
 //! | [`drive`] | what a muscle pair asks of its joint in one step |
@@ -20,6 +21,7 @@ pub mod controller;
 pub mod drive;
 pub mod goal;
 pub mod posture;
+pub mod stops;
 pub mod support;
 pub mod tension;
 pub mod transition;

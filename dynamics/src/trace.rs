@@ -65,6 +65,8 @@ pub struct Trace {
     pub target: Vec<f64>,
     /// Actuator torques (springs and dampers), `rows × nv`, N·m; root entries zero.
     pub torque: Vec<f64>,
+    /// Torques of the stops at the ends of the joints' ranges, `rows × nv`, N·m; zero inside.
+    pub stop_torque: Vec<f64>,
     /// Gain of the spring towards the lower set point, `rows × nv`, N·m/rad.
     pub k_lo: Vec<f64>,
     /// Gain of the spring towards the upper set point, `rows × nv`, N·m/rad.

@@ -12,7 +12,7 @@
 //! | `root_mode` | scalar text | `free`, `assisted` or `pinned` |
 //! | `root_limit` | 2 | budget, N and N·m: zero when free, infinite when pinned |
 //! | `q`, `target` | n × nq | poses; lengths in m, angles in rad, quaternions `w x y z` |
-//! | `v`, `torque`, `k_lo`, `k_hi`, `kd` | n × nv | as in [`Trace`] |
+//! | `v`, `torque`, `stop_torque`, `k_lo`, `k_hi`, `kd` | n × nv | as in [`Trace`] |
 //! | `root_wrench`, `momentum` | n × 6 | as in [`Trace`] |
 //! | `com` | n × 3 | m |
 //! | `energy` | n × 2 | J |
@@ -52,6 +52,7 @@ const UNITS: &[(&str, &str)] = &[
     ("target", "m, rad, quaternion w x y z"),
     ("v", "m/s, rad/s"),
     ("torque", "N·m"),
+    ("stop_torque", "N·m"),
     ("k_lo", "N·m/rad"),
     ("k_hi", "N·m/rad"),
     ("kd", "N·m·s/rad"),
@@ -96,6 +97,7 @@ impl Trace {
         npz.table("target", nq, &self.target)?;
         npz.table("v", nv, &self.v)?;
         npz.table("torque", nv, &self.torque)?;
+        npz.table("stop_torque", nv, &self.stop_torque)?;
         npz.table("k_lo", nv, &self.k_lo)?;
         npz.table("k_hi", nv, &self.k_hi)?;
         npz.table("kd", nv, &self.kd)?;

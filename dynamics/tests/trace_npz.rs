@@ -57,6 +57,7 @@ fn projectile(rows: usize, substeps: usize) -> Trace {
         v: Vec::new(),
         target: Vec::new(),
         torque: vec![0.25; rows * nv],
+        stop_torque: vec![0.0; rows * nv],
         k_lo: vec![1.0; rows * nv],
         k_hi: vec![2.0; rows * nv],
         kd: vec![0.5; rows * nv],

@@ -8,6 +8,7 @@ use std::sync::Arc;
 use std::time::Instant;
 
 use controllers::assist::{self, Budget};
+use controllers::stops::STIFFNESS_RATIO;
 use controllers::{Controller, Sagging, Setup};
 use dynamics::{Character, ContactSample, RootMode, State, Trace, Wrench};
 use motion::ik::IkError;
@@ -115,7 +116,9 @@ impl Pass {
         let v =
             if scripted { vec![0.0; controller.model.nv()] } else { controller.goal().velocity(0).to_vec() };
         let started = Instant::now();
-        let world = World::new(&character, settings, &q, &v)?;
+        let mut world = World::new(&character, settings, &q, &v)?;
+        let stops: Vec<f64> = controller.scale.k1.iter().map(|k| k * STIFFNESS_RATIO).collect();
+        world.set_stops(&stops);
         let mut state = State::new(&controller.model);
         state.update(&controller.model, world.q(), world.v());
         let mut recorder = Recorder::new(&character, &settings, root, self.ground, &controller);
@@ -254,6 +257,7 @@ impl Recorder {
             v: room(nv),
             target: room(nq),
             torque: room(nv),
+            stop_torque: room(nv),
             k_lo: room(nv),
             k_hi: room(nv),
             kd: room(nv),
@@ -283,12 +287,13 @@ impl Recorder {
         t.v.extend_from_slice(world.v());
         t.target.extend_from_slice(controller.goal().pose(row));
         let at = t.torque.len();
-        for column in [&mut t.torque, &mut t.k_lo, &mut t.k_hi, &mut t.kd] {
+        for column in [&mut t.torque, &mut t.stop_torque, &mut t.k_lo, &mut t.k_hi, &mut t.kd] {
             column.resize(at + nv, 0.0);
         }
         for (i, b) in model.bodies.iter().enumerate() {
             let drive = &controller.drives()[i];
             let torque = drive.torque(&b.joint, world.q(), b.q_at, world.v(), b.v_at);
+            let stop = world.stop_torque(i);
             let gains = controller.set_points[i].gains(drive.stiffness, &drive.rest);
             if drive.stiffness == 0.0 {
                 continue;
@@ -296,6 +301,7 @@ impl Recorder {
             for k in 0..b.joint.nv().min(3) {
                 let cell = at + b.v_at + k;
                 t.torque[cell] = torque[k];
+                t.stop_torque[cell] = stop[k];
                 (t.k_lo[cell], t.k_hi[cell]) = gains[k];
                 t.kd[cell] = drive.damping;
             }

@@ -21,6 +21,7 @@ use rapier3d::dynamics::FrictionModel;
 use rapier3d::prelude as rp;
 use thiserror::Error;
 
+use controllers::stops::way_back;
 use controllers::{Drive, Rest};
 
 /// The ground: a horizontal plane.
@@ -81,6 +82,10 @@ pub struct World {
     mb_link: Vec<usize>,
     /// Centre of mass of the root body in its own frame; zero unless the root is free.
     root_shift: Vec3,
+    /// Stiffness of the stop of each body's joint, N·m/rad; zero without one.
+    stops: Vec<f64>,
+    /// Stiffness and way back of the stops that act in the next step.
+    stopping: Vec<(f64, Vec3)>,
     q: Vec<f64>,
     v: Vec<f64>,
     steps: usize,
@@ -182,6 +187,7 @@ impl World {
                 .ok_or_else(|| WorldError::Joint(character.skeleton.links()[b.link].name.clone()))?;
             any_joint = Some(handle);
         }
+        let bodies = model.bodies.len();
         let mut world = Self {
             physics,
             model,
@@ -190,6 +196,8 @@ impl World {
             any_joint,
             mb_link: Vec::new(),
             root_shift,
+            stops: vec![0.0; bodies],
+            stopping: vec![(0.0, Vec3::zeros()); bodies],
             q: character.skeleton.zero_pose(),
             v: vec![0.0; character.skeleton.nv()],
             steps: 0,
@@ -261,33 +269,58 @@ impl World {
         self.v.copy_from_slice(v);
     }
 
+    /// Sets the stiffness of the stops at the ends of the joints' ranges, N·m/rad, one per moving body.
+    ///
+    /// Without a call there are no stops.
+    pub fn set_stops(&mut self, stiffness: &[f64]) {
+        self.stops.clear();
+        self.stops.extend_from_slice(stiffness);
+    }
+
+    /// Torque of the stop of a body's joint in the present pose, along its zero frame (in `.x` for hinges),
+    /// N·m.
+    pub fn stop_torque(&self, body: usize) -> Vec3 {
+        self.stop(body).map_or(Vec3::zeros(), |(k, back)| back * k)
+    }
+
+    fn stop(&self, body: usize) -> Option<(f64, Vec3)> {
+        let b = &self.model.bodies[body];
+        let limits = self.model.skeleton.links()[b.link].limits.as_ref();
+        let k = self.stops[body];
+        if k == 0.0 {
+            return None;
+        }
+        way_back(&b.joint, limits, &self.q, b.q_at).map(|back| (k, back))
+    }
+
     /// Sets the actuators for the next step: one drive per moving body, in the model's order.
     ///
     /// The root's entry is ignored when the root is free.
     pub fn set_drives(&mut self, drives: &[Drive]) {
         let Some(any) = self.any_joint else { return };
+        for i in 0..self.stopping.len() {
+            self.stopping[i] = self.stop(i).unwrap_or((0.0, Vec3::zeros()));
+        }
         let (mb, _) = self.physics.multibody_joints.get_mut(any).expect("own joint");
         for (i, (b, drive)) in self.model.bodies.iter().zip(drives).enumerate() {
-            if i == 0 && matches!(b.joint, Joint::Free | Joint::Fixed) {
-                continue;
-            }
+            let first = match b.joint {
+                Joint::Revolute(_) | Joint::Spherical => 3,
+                Joint::Prismatic(_) => 0,
+                Joint::Free | Joint::Fixed => continue,
+            };
+            // muscle and stop side by side: one spring of both stiffnesses with their common torque
+            let (stop, back) = self.stopping[i];
+            let muscle = match drive.rest {
+                Rest::Scalar(rest) => Vec3::x() * (rest - self.q[b.q_at]),
+                Rest::Ball { .. } => drive.pull(&quat_at(&self.q, b.q_at)),
+                Rest::None => Vec3::zeros(),
+            };
+            let stiffness = drive.stiffness + stop;
+            let error = (muscle * drive.stiffness + back * stop) / stiffness.max(f64::MIN_POSITIVE);
             let link = mb.link_mut(self.mb_link[i]).expect("own link");
-            let at = link.assembly_id();
-            let coords = link.joint.coords();
-            match (b.joint, drive.rest) {
-                (Joint::Revolute(_), Rest::Scalar(rest)) => {
-                    link.joint.set_spring(3, drive.stiffness, rest);
-                }
-                (Joint::Prismatic(_), Rest::Scalar(rest)) => {
-                    link.joint.set_spring(0, drive.stiffness, rest);
-                }
-                (Joint::Spherical, Rest::Ball { .. }) => {
-                    let error = drive.pull(&quat_at(&self.q, b.q_at));
-                    for a in 0..3 {
-                        link.joint.set_spring(3 + a, drive.stiffness, coords[3 + a] + error[a]);
-                    }
-                }
-                _ => {}
+            let (at, coords) = (link.assembly_id(), link.joint.coords());
+            for k in 0..b.joint.nv() {
+                link.joint.set_spring(first + k, stiffness, coords[first + k] + error[k]);
             }
             for k in 0..b.joint.nv() {
                 mb.damping_mut()[at + k] = drive.damping;

@@ -193,3 +193,49 @@ fn the_ground_carries_the_weight() {
     assert!((force.y - 6.0 * 9.81).abs() < 1e-6, "{force}"); // 1e-9 seen
     assert!(force.x.abs() < 1e-6 && force.z.abs() < 1e-6);
 }
+
+/// A ball that swings and spins into its limits, and a hinge thrown at its end, are turned back by their
+/// stops; without stops both go far beyond. The energy never grows.
+#[test]
+fn stops_turn_joints_back_at_the_ends_of_their_range() {
+    use motion::{BallLimits, Limits, Range};
+    let mut links = vec![
+        Link::new("base", None, Vec3::zeros(), Joint::Fixed),
+        Link::new("ball", Some(0), Vec3::zeros(), Joint::Spherical),
+        Link::new("hinge", Some(0), Vec3::new(1.0, 0.0, 0.0), Joint::Revolute(Vec3::x())),
+    ];
+    let range = Range::new(-0.4, 0.4);
+    let axes = [Vec3::x(), Vec3::z(), Vec3::y()];
+    let swing_and_twist = BallLimits { axes, ranges: [range; 3] };
+    links[1].limits = Some(Limits::Ball(swing_and_twist));
+    links[2].limits = Some(Limits::Axis(range));
+    let rod = || body(1.0, Vec3::new(0.0, 0.2, 0.0), vec![]);
+    let c = character(links, vec![body(1.0, Vec3::zeros(), vec![]), rod(), rod()]);
+    let mut s = settings(480.0, 2);
+    s.gravity = Vec3::zeros();
+    let q = c.skeleton.zero_pose();
+    let v = vec![0.8, 3.0, 0.6, 2.0];
+    let run = |stops: f64| {
+        let mut world = World::new(&c, s, &q, &v).unwrap();
+        world.set_stops(&[stops; 3]);
+        let mut state = State::new(&world.model);
+        let (mut furthest, mut most): (f64, f64) = (0.0, 0.0);
+        let slack = Drive { stiffness: 1e-9, damping: 0.0, rest: Rest::ball(motion::Quat::identity()) };
+        let hinge = Drive { rest: Rest::Scalar(0.0), ..slack };
+        for _ in 0..960 {
+            world.set_drives(&[Drive::NONE, slack, hinge]);
+            world.step().unwrap();
+            let r = c.skeleton.rotation(world.q(), 1);
+            furthest = furthest.max(swing_and_twist.coords(&r).amax()).max(world.q()[4].abs());
+            state.update(&world.model, world.q(), world.v());
+            most = most.max(state.energy(&world.model).0);
+        }
+        state.update(&world.model, &q, &v);
+        (furthest, most, state.energy(&world.model).0)
+    };
+    let (furthest, most, start) = run(200.0);
+    eprintln!("furthest {furthest} rad, energy {most} of {start} J");
+    assert!(furthest < 0.5, "{furthest} rad"); // 0.45 seen
+    assert!(most <= start * (1.0 + 1e-6), "{most} J from {start} J");
+    assert!(run(0.0).0 > 1.0, "without stops they go on");
+}

@@ -285,6 +285,7 @@ pub fn trace(character: &Arc<Character>, target: &Clip) -> Trace {
         v: vec![0.0; rows * nv],
         target: target.data().to_vec(),
         torque: Vec::new(),
+        stop_torque: vec![0.0; rows * nv],
         k_lo: Vec::new(),
         k_hi: Vec::new(),
         kd: vec![2.0; rows * nv],
