@@ -3,7 +3,7 @@
 use std::fmt::Write;
 use std::path::Path;
 
-use scenes::report::{DynamicReport, FeetReport};
+use scenes::report::{DynamicReport, FeetReport, StiffnessReport};
 use scenes::{Report, Stage};
 
 use crate::output::PLOTS;
@@ -120,6 +120,16 @@ fn performed(out: &mut String, d: &DynamicReport) -> std::fmt::Result {
             d.damping_ratio + d.added_damping_ratio
         ),
     )?;
+    let by_stiffness =
+        |a: &&StiffnessReport, b: &&StiffnessReport| a.natural_nm_rad.total_cmp(&b.natural_nm_rad);
+    let ends = (d.stiffness.iter().min_by(by_stiffness), d.stiffness.iter().max_by(by_stiffness));
+    if let (Some(softest), Some(stiffest)) = ends {
+        let text = format!(
+            "tension 1 is {:.2} N·m/rad at {} to {:.0} N·m/rad at {}",
+            softest.natural_nm_rad, softest.joint, stiffest.natural_nm_rad, stiffest.joint
+        );
+        line(out, "", text)?;
+    }
     line(
         out,
         "simulation",

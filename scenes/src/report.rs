@@ -155,6 +155,8 @@ pub struct DynamicReport {
     pub damping_ratio: f64,
     /// Largest ω₀ dt/2 that implicit integration adds to it.
     pub added_damping_ratio: f64,
+    /// Stiffness of every joint at tension 1 and the least it needs.
+    pub stiffness: Vec<StiffnessReport>,
     /// Least distance of the centre of mass inside the support, mm (negative outside); absent when
     /// nothing stands.
     pub support_margin_mm_min: Option<f64>,
@@ -166,6 +168,17 @@ pub struct DynamicReport {
     pub contact: ContactReport,
     /// Joints too slack for what they had to hold.
     pub sagging: Vec<SaggingReport>,
+}
+
+/// Stiffness of one joint.
+#[derive(Clone, Debug, Serialize)]
+pub struct StiffnessReport {
+    /// Its name.
+    pub joint: String,
+    /// K₁: stiffness at tension 1, relaxed and natural, N·m/rad.
+    pub natural_nm_rad: f64,
+    /// Largest least stiffness over the poses of the scene, N·m/rad.
+    pub least_nm_rad: f64,
 }
 
 /// One joint.
@@ -306,6 +319,15 @@ fn dynamic(stage: &Stage, o: &Outcome) -> DynamicReport {
         position_rms_mm: metrics::position_rms_mm(clip, &target),
         damping_ratio: controllers::tension::DAMPING_RATIO,
         added_damping_ratio: o.added_damping.0,
+        stiffness: o
+            .stiffness
+            .iter()
+            .map(|&(link, natural, least)| StiffnessReport {
+                joint: c.skeleton.links()[link].name.clone(),
+                natural_nm_rad: natural,
+                least_nm_rad: least,
+            })
+            .collect(),
         support_margin_mm_min: support_margin(t),
         root: root(t, c.mass()),
         feet: feet(stage, clip).into(),

@@ -69,6 +69,8 @@ pub struct Outcome {
     pub diverged: Option<WorldError>,
     /// Largest ω₀ dt/2 added to a damping ratio by implicit integration, and the link.
     pub added_damping: (f64, usize),
+    /// Stiffness scale of the run per actuated joint: link, K₁ at T = 1 and K_least over the poses, N·m/rad.
+    pub stiffness: Vec<(usize, f64, f64)>,
 }
 
 /// The largest ω₀ dt/2 a default run accepts.
@@ -217,11 +219,17 @@ impl Run {
         let mut trace = self.recorder.trace;
         trace.wall_s = self.started.elapsed().as_secs_f64();
         let controller = self.controller;
+        let scale = &controller.scale;
+        let stiffness = (0..controller.model.bodies.len())
+            .filter(|&i| scale.k1[i] > 0.0)
+            .map(|i| (controller.model.bodies[i].link, scale.k1[i], scale.least[i]))
+            .collect();
         let added = controller.added_damping(1.0 / (trace.rate_hz * trace.substeps as f64));
         Outcome {
             sagging: controller.sagging(),
             fell_s: self.fell_s,
             diverged: self.diverged,
+            stiffness,
             added_damping: (added.0, controller.model.bodies[added.1].link),
             trace,
         }
