@@ -235,7 +235,7 @@ impl Check<'_> {
     }
 
     fn cycle(&self, at: &str, action: &str, c: &CycleRon) -> Result<Cycle, SceneError> {
-        if c.repetitions == 0 || c.repetitions > 10_000 {
+        if !(1..=10_000).contains(&c.repetitions) {
             let message = format!("{} repetitions; allowed: 1 to 10000", c.repetitions);
             return Err(self.source.error(&format!("{at}.repetitions"), message));
         }
@@ -245,7 +245,7 @@ impl Check<'_> {
         for (k, p) in c.poses.iter().enumerate() {
             poses.push(self.pose(&format!("{at}.poses[{k}]"), action, p)?);
         }
-        Ok(Cycle { repetitions: c.repetitions, properties: self.properties(at, inherited)?, poses })
+        Ok(Cycle { repetitions: c.repetitions as usize, properties: self.properties(at, inherited)?, poses })
     }
 
     fn pose(&self, at: &str, action: &str, p: &PoseRon) -> Result<Pose, SceneError> {

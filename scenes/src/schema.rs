@@ -60,7 +60,7 @@ fn default_rate() -> f64 {
 fn default_settle() -> f64 {
     1.5
 }
-fn one() -> usize {
+fn one() -> i64 {
     1
 }
 
@@ -119,7 +119,7 @@ pub struct ActionRon {
 pub struct CycleRon {
     /// How often it runs.
     #[serde(default = "one")]
-    pub repetitions: usize,
+    pub repetitions: i64,
     /// Inherited by its poses.
     pub curve: Option<CurveRon>,
     /// Inherited by its poses.

@@ -108,6 +108,7 @@ fn numbers_out_of_range() {
 #[test]
 fn absurd_counts() {
     bad_scene("Cycle(", "Cycle(repetitions: 99999999, ", &["99999999 repetitions", "allowed: 1 to 10000"]);
+    bad_scene("Cycle(", "Cycle(repetitions: -3, ", &["-3 repetitions", "allowed: 1 to 10000"]);
     bad_scene("Cycle(", "Cycle(repetitions: 1e30, ", &["scene.ron:5:"]);
     bad_scene("settle_s: 0.2", "settle_s: 3600", &["3600.", "240 Hz", "allowed: up to 2083 s"]);
     bad_scene("offset_s: 0.05", "offset_s: 1e300", &["1e300 s", "allowed"]);
