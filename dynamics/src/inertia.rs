@@ -20,34 +20,6 @@ pub struct Momentum {
 }
 
 impl State {
-    /// Mass matrix (`nv × nv`), symmetric positive definite when every joint carries mass.
-    ///
-    /// `v̇ᵀ M v̇ / 2` is the kinetic energy; rows follow the layout of `v`.
-    pub fn mass_matrix(&mut self, model: &Model, m: &mut DMatrix<f64>) {
-        m.fill(0.0);
-        self.update_composites(model);
-        for (i, b) in model.bodies.iter().enumerate() {
-            let (mass, com, inertia) = self.composite[i];
-            let s = &self.bodies[i];
-            for_each_axis(b, &s.zero, |k, linear, angular| {
-                // momentum of everything outboard when only this axis moves at unit rate
-                let p = (linear + angular.cross(&(com - s.world.translation.vector))) * mass;
-                let h = inertia * angular;
-                let mut up = Some(i);
-                while let Some(a) = up {
-                    let sa = &self.bodies[a];
-                    let about = h + (com - sa.world.translation.vector).cross(&p);
-                    for_each_axis(&model.bodies[a], &sa.zero, |l, lin_a, ang_a| {
-                        let value = lin_a.dot(&p) + ang_a.dot(&about);
-                        m[(k, l)] = value;
-                        m[(l, k)] = value;
-                    });
-                    up = model.bodies[a].parent;
-                }
-            });
-        }
-    }
-
     /// Mass, centre of mass and inertia (about it, world axes) of each body with all it carries.
     pub fn composites(&mut self, model: &Model) -> &[(f64, Vec3, Matrix3<f64>)] {
         self.update_composites(model);

@@ -9,7 +9,8 @@
 //! | [`character`] | mass, inertia, shapes and contact points on a skeleton |
 //! | [`model`] | a character compiled for dynamics, and its world-frame state |
 //! | [`rnea`] | inverse dynamics with outside wrenches |
-//! | [`inertia`] | mass matrix, momentum, energy, gravity stiffness |
+//! | [`crba`] | mass matrix |
+//! | [`inertia`] | composites, momentum and its rate, energy, gravity stiffness |
 //! | [`penalty`] | the force of the ground on a point, from its height and slip |
 //! | [`pose_map`] | poses between a clip's skeleton and a character's |
 //! | [`trace`] | what a dynamic run recorded |
@@ -17,6 +18,7 @@
 
 pub mod anthropometry;
 pub mod character;
+pub mod crba;
 pub mod inertia;
 pub mod model;
 pub mod penalty;
