@@ -5,8 +5,9 @@
 //!
 //! From the tips inward, `I^c` of each body with all it carries; the spatial momentum `F = I^c S` of its
 //! joint's axes at unit rate; and for the joint and every joint inboard, with motion subspace `S_a`,
-//! `M = S_aᵀ F`. Momenta are about the origin of the body at hand and shifted on the way inward;
-//! nothing is rotated. Blocks of joints on different branches are zero.
+//! `M = S_aᵀ F`. Nothing is rotated on the way: all is along world axes, and only the point about which
+//! moments are taken moves, to the origin of each inboard body. Blocks of joints on different branches
+//! are zero.
 
 use motion::{Joint, Vec3};
 use nalgebra::{DMatrix, Matrix3, SVector};
@@ -25,6 +26,7 @@ pub(crate) struct Carried {
 }
 
 impl Carried {
+    #[inline(always)]
     fn of(b: &MovingBody, s: &BodyState) -> Self {
         let i = &s.inertia;
         let at_com = Self {
@@ -38,6 +40,7 @@ impl Carried {
     /// The same about a point from which this origin is seen at `r`.
     ///
     /// I' = I + 2 (k·r) 1 − (k rᵀ + r kᵀ) with k = m c + ½ m r.
+    #[inline(always)]
     fn about(&self, r: &Vec3) -> Self {
         let k = self.first + r * (0.5 * self.mass);
         let (x, y, z) = (2.0 * k.x * r.x, 2.0 * k.y * r.y, 2.0 * k.z * r.z);
@@ -65,6 +68,7 @@ impl Carried {
     }
 
     /// Momentum about the origin while the axes in the lanes of `w` turn at unit rate about it.
+    #[inline(always)]
     fn turning<const N: usize>(&self, w: &Axes<N>) -> Momenta<N> {
         let [xx, yy, zz, xy, xz, yz] = self.second;
         let h = &self.first;
@@ -76,6 +80,7 @@ impl Carried {
     }
 
     /// Momentum about the origin while all slides along the axes at unit speed.
+    #[inline(always)]
     fn sliding<const N: usize>(&self, u: &Axes<N>) -> Momenta<N> {
         let h = &self.first;
         let [x, y, z] = u;
@@ -99,6 +104,7 @@ struct Momenta<const N: usize> {
 
 impl<const N: usize> Momenta<N> {
     /// About a point from which the present one is seen at `r`: l + r × p.
+    #[inline(always)]
     fn about(&self, r: &Vec3) -> Self {
         let [px, py, pz] = &self.p;
         let [lx, ly, lz] = &self.l;
@@ -175,14 +181,15 @@ impl Target<'_> {
         states: &[BodyState],
         body: usize,
         k: usize,
-        mut f: Momenta<N>,
+        f: Momenta<N>,
     ) {
-        let (mut b, mut s) = (&model.bodies[body], &states[body]);
-        loop {
-            self.block::<N, W>(b, s, k, &f);
-            let Some(p) = b.parent else { break };
-            f = f.about(&s.arm);
-            (b, s) = (&model.bodies[p], &states[p]);
+        let own = &states[body];
+        self.block::<N, W>(&model.bodies[body], own, k, &f);
+        let mut up = model.bodies[body].parent;
+        while let Some(p) = up {
+            let (b, s) = (&model.bodies[p], &states[p]);
+            self.block::<N, W>(b, s, k, &f.about(&(own.origin() - s.origin())));
+            up = b.parent;
         }
     }
 }
@@ -244,11 +251,13 @@ fn along_columns<const N: usize>(zero: &Matrix3<f64>, f: &Axes<N>) -> Axes<N> {
     [column(0), column(1), column(2)]
 }
 
+#[inline(always)]
 fn lanes(zero: &Matrix3<f64>) -> Axes<4> {
     let row = |r: usize| SVector::<f64, 4>::new(zero[(r, 0)], zero[(r, 1)], zero[(r, 2)], 0.0);
     [row(0), row(1), row(2)]
 }
 
+#[inline(always)]
 fn single(axis: &Vec3) -> Axes<1> {
     [SVector::<f64, 1>::new(axis.x), SVector::<f64, 1>::new(axis.y), SVector::<f64, 1>::new(axis.z)]
 }

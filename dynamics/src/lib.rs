@@ -8,8 +8,9 @@
 //! | [`anthropometry`] | a body for any human-like skeleton |
 //! | [`character`] | mass, inertia, shapes and contact points on a skeleton |
 //! | [`model`] | a character compiled for dynamics, and its world-frame state |
-//! | [`rnea`] | inverse dynamics with outside wrenches |
+//! | [`rnea`] | inverse dynamics with outside wrenches, bias, Coriolis terms, gravity load |
 //! | [`crba`] | mass matrix |
+//! | [`forward`] | accelerations from forces |
 //! | [`inertia`] | composites, momentum and its rate, energy, gravity stiffness |
 //! | [`penalty`] | the force of the ground on a point, from its height and slip |
 //! | [`pose_map`] | poses between a clip's skeleton and a character's |
@@ -19,6 +20,7 @@
 pub mod anthropometry;
 pub mod character;
 pub mod crba;
+pub mod forward;
 pub mod inertia;
 pub mod model;
 pub mod penalty;
@@ -29,7 +31,8 @@ pub mod trace_npz;
 
 pub use anthropometry::{BodyOptions, BodyReport, GuessError, guess_body, guess_body_of_clip};
 pub use character::{Body, Character, CharacterError, JointClass};
-pub use inertia::Momentum;
+pub use forward::{ForwardDynamics, NoInertia};
+pub use inertia::{Momentum, MomentumRate};
 pub use model::{Model, MovingBody, State};
 pub use penalty::Penalty;
 pub use pose_map::{PoseMap, PoseMapError};

@@ -171,6 +171,7 @@ impl BodyState {
     }
 
     /// Linear and angular motion of the joint, `S v`, world axes.
+    #[inline(always)]
     pub(crate) fn joint_motion(&self, b: &MovingBody, v: &[f64]) -> (Vec3, Vec3) {
         let none = Vec3::zeros();
         match b.joint {
@@ -183,6 +184,7 @@ impl BodyState {
     }
 
     /// Writes the joint's share of a force and a moment about the body's origin, `Sᵀ f`, into `out`.
+    #[inline(always)]
     pub(crate) fn project(&self, b: &MovingBody, force: &Vec3, moment: &Vec3, out: &mut [f64]) {
         let at = b.v_at;
         match b.joint {
@@ -338,6 +340,7 @@ impl State {
 }
 
 /// R I Rᵀ for a symmetric I: six entries, mirrored.
+#[inline(always)]
 fn turned_inertia(r: &Matrix3<f64>, inertia: &Matrix3<f64>) -> Matrix3<f64> {
     let half = r * inertia;
     let entry =

@@ -1,11 +1,18 @@
 //! Inverse dynamics: the recursive Newton–Euler algorithm with outside wrenches.
 //!
 //! In: a [`Model`], its [`State`] at (q, v), an acceleration, wrenches from outside. Out: generalised
-//! forces `τ = M(q) v̇ + c(q, v) − Σ Jᵀ w`. For a free root the first six entries are the wrench the
-//! root would need from nowhere: zero when the outside wrenches explain the motion.
+//! forces `τ = M(q) v̇ + C(q, v) v + g(q) − Σ Jᵀ w` (`nv`), or a part of that sum. For a free root the
+//! first six entries are the wrench the root would need from nowhere: zero when the outside wrenches
+//! explain the motion.
 //!
-//! Featherstone 2008, §5.3, Table 5.1, in world axes: (5.9) accelerations outward, (5.10) forces
-//! inward. Gravity enters as an upward acceleration of the base.
+//! `q`, `v`, `v̇`, `τ` have the layout of [`motion::skeleton`]: along the axes of each joint's zero frame,
+//! N and N·m; a wrench is along world axes. `v̇` is the rate of the components of `v`: for a free root
+//! the acceleration of its origin, not Featherstone's spatial one.
+//!
+//! Featherstone, Rigid Body Dynamics Algorithms, 2008, §5.3, Table 5.1, written in 3-vectors along world
+//! axes about the bodies' own origins: (5.7) velocities, in [`State::update`]; (5.8) accelerations
+//! outward; (5.9) the force each body needs; (5.10) forces inward, less the outside wrenches; (5.11)
+//! `τ = Sᵀ f`. Gravity enters as an upward acceleration of the base. Nothing here allocates.
 
 use motion::skeleton::vec_at;
 use motion::{Joint, Vec3};
