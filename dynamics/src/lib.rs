@@ -10,6 +10,7 @@
 //! | [`model`] | a character compiled for dynamics, and its world-frame state |
 //! | [`rnea`] | inverse dynamics with outside wrenches, bias, Coriolis terms, gravity load |
 //! | [`crba`] | mass matrix |
+//! | [`derivatives`] | slopes of inverse dynamics by pose, velocity and acceleration |
 //! | [`forward`] | accelerations from forces |
 //! | [`inertia`] | composites, momentum and its rate, energy, gravity stiffness |
 //! | [`penalty`] | the force of the ground on a point, from its height and slip |
@@ -20,6 +21,7 @@
 pub mod anthropometry;
 pub mod character;
 pub mod crba;
+pub mod derivatives;
 pub mod forward;
 pub mod inertia;
 pub mod model;
@@ -31,6 +33,7 @@ pub mod trace_npz;
 
 pub use anthropometry::{BodyOptions, BodyReport, GuessError, guess_body, guess_body_of_clip};
 pub use character::{Body, Character, CharacterError, JointClass};
+pub use derivatives::InverseDerivatives;
 pub use forward::{ForwardDynamics, NoInertia};
 pub use inertia::{Momentum, MomentumRate};
 pub use model::{Model, MovingBody, State};

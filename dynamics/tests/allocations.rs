@@ -5,7 +5,7 @@
 use allocation_counter::measure;
 use dynamics::anthropometry::human::human;
 use dynamics::penalty::{Penalty, contact_forces};
-use dynamics::{ForwardDynamics, Model, State, Wrench};
+use dynamics::{ForwardDynamics, InverseDerivatives, Model, State, Wrench};
 use motion::Vec3;
 use nalgebra::DMatrix;
 
@@ -16,6 +16,7 @@ fn nothing_is_allocated_per_call() {
     let n = model.nv();
     let mut state = State::new(&model);
     let mut forward = ForwardDynamics::new(&model);
+    let mut slopes = InverseDerivatives::new(&model);
     let q = character.rest.clone();
     let v: Vec<f64> = (0..n).map(|k| (k as f64).sin()).collect();
     let (mut tau, mut vd) = (vec![0.0; n], vec![0.0; n]);
@@ -35,6 +36,7 @@ fn nothing_is_allocated_per_call() {
         state.inboard_inertia(&model, &mut tau);
         state.add_wrench(&model, &wrenches[0], &mut tau);
         forward.accelerations(&model, &mut state, &v, &tau, &wrenches, &mut vd).unwrap();
+        slopes.update(&model, &state, &v, &vd, &wrenches);
         out += state.com(&model) + state.momentum(&model).angular;
         out += state.momentum_rate(&model, &v, &vd).linear;
         out.x += state.energy(&model).0;

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use dynamics::{Body, Character, ForwardDynamics, JointClass, Model, State, Wrench};
+use dynamics::{Body, Character, ForwardDynamics, InverseDerivatives, JointClass, Model, State, Wrench};
 use motion::rotation::exp;
 use motion::{Joint, Link, Skeleton, Vec3};
 use nalgebra::{DMatrix, DVector, Matrix3, Translation3};
@@ -414,4 +414,57 @@ fn gravity_stiffness_is_the_slope_of_the_gravity_load() {
             }
         }
     }
+}
+
+/// ∂τ/∂q, ∂τ/∂v, ∂τ/∂v̇ against central differences, with wrenches that stay in the world.
+#[test]
+fn derivatives_of_inverse_dynamics_are_its_slopes() {
+    let mut worst = [0.0_f64; 3];
+    for (i, c) in cases().iter().enumerate() {
+        let n = c.model.nv();
+        let mut state = State::new(&c.model);
+        state.update(&c.model, &c.q, &c.v);
+        let w = |link: usize| Wrench {
+            link,
+            point: Vec3::new(0.5, -0.3, 0.8) * link as f64,
+            force: Vec3::new(40.0, -200.0, 70.0),
+            moment: Vec3::new(5.0, 20.0, -30.0),
+        };
+        let wrenches = if i % 2 == 0 { vec![w(0), w(2), w(4), w(7), w(7)] } else { vec![] };
+        let mut slopes = InverseDerivatives::new(&c.model);
+        slopes.update(&c.model, &state, &c.v, &c.vd, &wrenches);
+        let shifted = |k: usize, which: usize, s: f64| {
+            let (mut q, mut v, mut vd) = (c.q.clone(), c.v.clone(), c.vd.clone());
+            match which {
+                0 => {
+                    let mut step = vec![0.0; n];
+                    step[k] = s;
+                    c.model.skeleton.integrate(&mut q, &step, 1.0);
+                }
+                1 => v[k] += s,
+                _ => vd[k] += s,
+            }
+            inverse(c, &q, &v, &vd, &wrenches)
+        };
+        for (which, (analytic, h)) in
+            [(&slopes.q, 2e-4), (&slopes.v, 1e-2), (&slopes.vd, 1.0)].iter().enumerate()
+        {
+            let scale = analytic.amax();
+            for k in 0..n {
+                let slope = |h: f64| (shifted(k, which, h) - shifted(k, which, -h)) / (2.0 * h);
+                let refined = (slope(0.5 * h) * 4.0 - slope(*h)) / 3.0; // Richardson: error of order h⁴
+                let error = (refined - analytic.column(k)).amax() / scale;
+                worst[which] = worst[which].max(error);
+                assert!(error < 1e-9, "variable {which}, axis {k}: {error:e}");
+            }
+        }
+        // τ is quadratic in v: 2 C(q, v) v = (∂τ/∂v) v
+        let v = DVector::from_vec(c.v.clone());
+        let mut coriolis = vec![0.0; n];
+        state.coriolis(&c.model, &c.v, &mut coriolis);
+        let twice = DVector::from_vec(coriolis) * 2.0;
+        assert!((&slopes.v * v - &twice).norm() < 1e-12 * twice.norm());
+        assert!((&slopes.vd - mass(c)).norm() < 1e-13 * slopes.vd.norm());
+    }
+    println!("{worst:?}");
 }
