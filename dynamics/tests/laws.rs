@@ -197,16 +197,16 @@ fn forward_undoes_inverse() {
         forward.accelerations(&c.model, &mut state, &c.v, tau.as_slice(), &[w], &mut vd).unwrap();
         let given = DVector::from_vec(c.vd.clone());
         let error = (DVector::from_vec(vd) - &given).norm();
-        assert!(error < 1e-11 * given.norm(), "{error}"); // 3e-13 seen
+        assert!(error < 1e-11 * given.norm(), "{error}"); // 8e-13 seen
         let mut x = vec![0.0; c.model.nv()];
         forward.accelerations(&c.model, &mut state, &c.v, &c.vd, &[w], &mut x).unwrap();
         let back = inverse(&c, &c.q, &c.v, &x, &[w]);
-        assert!((&back - &given).norm() < 1e-11 * tau.norm()); // 1e-14 seen
+        assert!((&back - &given).norm() < 1e-11 * tau.norm()); // 2e-14 seen
         // the sparse factor solves as a dense one does
         let mut y = c.vd.clone();
         forward.solve(&mut y);
         let dense = mass(&c).cholesky().unwrap().solve(&given);
-        assert!((DVector::from_vec(y) - &dense).norm() < 1e-11 * dense.norm());
+        assert!((DVector::from_vec(y) - &dense).norm() < 1e-11 * dense.norm()); // 3e-13 seen
     }
 }
 
@@ -236,7 +236,7 @@ fn the_bias_is_coriolis_and_gravity() {
         state.gravity_load(&c.model, &mut gravity);
         let [bias, coriolis, gravity] = [bias, coriolis, gravity].map(DVector::from_vec);
         assert_eq!(bias, inverse(&c, &c.q, &c.v, &zero, &[]));
-        assert!((&bias - &coriolis - &gravity).norm() < 1e-12 * bias.norm());
+        assert!((&bias - &coriolis - &gravity).norm() < 1e-12 * bias.norm()); // 4e-16 seen
         let still = inverse(&c, &c.q, &zero, &zero, &[]);
         assert!((&gravity - still).norm() < 1e-12 * gravity.norm());
         // twice the speed, four times the force
@@ -293,7 +293,7 @@ fn coriolis_terms_follow_from_the_mass_matrix() {
 
         let rate = (m_at(&c.v, h) - m_at(&c.v, -h)) / (2.0 * h);
         let work = v.dot(&(&rate * &v));
-        assert!((work - 2.0 * v.dot(&coriolis)).abs() < 1e-7 * coriolis.norm() * v.norm());
+        assert!((work - 2.0 * v.dot(&coriolis)).abs() < 1e-7 * coriolis.norm() * v.norm()); // 1e-9 seen
 
         let p = m_at(&c.v, 0.0) * &v;
         let mut expected = &rate * &v;
@@ -314,7 +314,7 @@ fn coriolis_terms_follow_from_the_mass_matrix() {
             (0..3).for_each(|k| expected[at + k] += turned[k]);
         }
         let error = (&expected - &coriolis).norm() / coriolis.norm();
-        assert!(error < 1e-7, "{error}"); // 1e-9 seen
+        assert!(error < 1e-7, "{error}"); // 6e-9 seen
     }
 }
 
@@ -338,7 +338,7 @@ fn momentum_rate_is_the_slope_of_the_momentum() {
         let (a, b) = (along(-dt), along(dt));
         let linear = (b.linear - a.linear) / (2.0 * dt);
         let angular = (b.angular - a.angular) / (2.0 * dt);
-        assert!((linear - rate.linear).norm() < 1e-6 * linear.norm(), "{linear} {}", rate.linear); // 1e-9 seen
+        assert!((linear - rate.linear).norm() < 1e-6 * linear.norm(), "{linear} {}", rate.linear); // 2e-8 seen
         assert!((angular - rate.angular).norm() < 1e-6 * angular.norm().max(1e2)); // 1e-8 seen
         let point = Vec3::new(3.0, -2.0, 1.0);
         let about = (b.about(&point) - a.about(&point)) / (2.0 * dt);
@@ -419,7 +419,6 @@ fn gravity_stiffness_is_the_slope_of_the_gravity_load() {
 /// ∂τ/∂q, ∂τ/∂v, ∂τ/∂v̇ against central differences, with wrenches that stay in the world.
 #[test]
 fn derivatives_of_inverse_dynamics_are_its_slopes() {
-    let mut worst = [0.0_f64; 3];
     for (i, c) in cases().iter().enumerate() {
         let n = c.model.nv();
         let mut state = State::new(&c.model);
@@ -454,8 +453,7 @@ fn derivatives_of_inverse_dynamics_are_its_slopes() {
                 let slope = |h: f64| (shifted(k, which, h) - shifted(k, which, -h)) / (2.0 * h);
                 let refined = (slope(0.5 * h) * 4.0 - slope(*h)) / 3.0; // Richardson: error of order h⁴
                 let error = (refined - analytic.column(k)).amax() / scale;
-                worst[which] = worst[which].max(error);
-                assert!(error < 1e-9, "variable {which}, axis {k}: {error:e}");
+                assert!(error < 1e-9, "variable {which}, axis {k}: {error:e}"); // 1e-11 seen for q
             }
         }
         // τ is quadratic in v: 2 C(q, v) v = (∂τ/∂v) v
@@ -463,8 +461,7 @@ fn derivatives_of_inverse_dynamics_are_its_slopes() {
         let mut coriolis = vec![0.0; n];
         state.coriolis(&c.model, &c.v, &mut coriolis);
         let twice = DVector::from_vec(coriolis) * 2.0;
-        assert!((&slopes.v * v - &twice).norm() < 1e-12 * twice.norm());
+        assert!((&slopes.v * v - &twice).norm() < 1e-12 * twice.norm()); // 1e-15 seen
         assert!((&slopes.vd - mass(c)).norm() < 1e-13 * slopes.vd.norm());
     }
-    println!("{worst:?}");
 }
