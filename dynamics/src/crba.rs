@@ -103,15 +103,12 @@ struct Momenta<const N: usize> {
 }
 
 impl<const N: usize> Momenta<N> {
-    /// About a point from which the present one is seen at `r`: l + r × p.
+    /// Angular momenta about a point from which the present one is seen at `r`: l + r × p.
     #[inline(always)]
-    fn about(&self, r: &Vec3) -> Self {
+    fn angular_about(&self, r: &Vec3) -> Axes<N> {
         let [px, py, pz] = &self.p;
         let [lx, ly, lz] = &self.l;
-        Self {
-            p: self.p,
-            l: [lx + (pz * r.y - py * r.z), ly + (px * r.z - pz * r.x), lz + (py * r.x - px * r.y)],
-        }
+        [lx + (pz * r.y - py * r.z), ly + (px * r.z - pz * r.x), lz + (py * r.x - px * r.y)]
     }
 }
 
@@ -154,22 +151,23 @@ impl Target<'_> {
         b: &MovingBody,
         s: &BodyState,
         k: usize,
-        f: &Momenta<N>,
+        p: &Axes<N>,
+        l: &Axes<N>,
     ) {
         let at = b.v_at;
         match b.joint {
             // a root whose zero frame is the world's
             Joint::Free if b.parent.is_none() && b.turned.is_none() => {
-                self.rows::<N, W>(at, k, &f.p);
-                self.rows::<N, W>(at + 3, k, &f.l);
+                self.rows::<N, W>(at, k, p);
+                self.rows::<N, W>(at + 3, k, l);
             }
             Joint::Free => {
-                self.rows::<N, W>(at, k, &along_columns(&s.zero, &f.p));
-                self.rows::<N, W>(at + 3, k, &along_columns(&s.zero, &f.l));
+                self.rows::<N, W>(at, k, &along_columns(&s.zero, p));
+                self.rows::<N, W>(at + 3, k, &along_columns(&s.zero, l));
             }
-            Joint::Spherical => self.rows::<N, W>(at, k, &along_columns(&s.zero, &f.l)),
-            Joint::Revolute(_) => self.row::<N, W>(at, k, &along(&s.axis, &f.l)),
-            Joint::Prismatic(_) => self.row::<N, W>(at, k, &along(&s.axis, &f.p)),
+            Joint::Spherical => self.rows::<N, W>(at, k, &along_columns(&s.zero, l)),
+            Joint::Revolute(_) => self.row::<N, W>(at, k, &along(&s.axis, l)),
+            Joint::Prismatic(_) => self.row::<N, W>(at, k, &along(&s.axis, p)),
             Joint::Fixed => {}
         }
     }
@@ -181,14 +179,14 @@ impl Target<'_> {
         states: &[BodyState],
         body: usize,
         k: usize,
-        f: Momenta<N>,
+        f: &Momenta<N>,
     ) {
         let own = &states[body];
-        self.block::<N, W>(&model.bodies[body], own, k, &f);
+        self.block::<N, W>(&model.bodies[body], own, k, &f.p, &f.l);
         let mut up = model.bodies[body].parent;
         while let Some(p) = up {
             let (b, s) = (&model.bodies[p], &states[p]);
-            self.block::<N, W>(b, s, k, &f.about(&(own.origin() - s.origin())));
+            self.block::<N, W>(b, s, k, &f.p, &f.angular_about(&(own.origin() - s.origin())));
             up = b.parent;
         }
     }
@@ -216,17 +214,17 @@ impl State {
             match b.joint {
                 Joint::Free => {
                     let axes = lanes(&s.zero);
-                    target.column::<4, 3>(model, states, i, at, carried.sliding(&axes));
-                    target.column::<4, 3>(model, states, i, at + 3, carried.turning(&axes));
+                    target.column::<4, 3>(model, states, i, at, &carried.sliding(&axes));
+                    target.column::<4, 3>(model, states, i, at + 3, &carried.turning(&axes));
                 }
                 Joint::Spherical => {
-                    target.column::<4, 3>(model, states, i, at, carried.turning(&lanes(&s.zero)));
+                    target.column::<4, 3>(model, states, i, at, &carried.turning(&lanes(&s.zero)));
                 }
                 Joint::Revolute(_) => {
-                    target.column::<1, 1>(model, states, i, at, carried.turning(&single(&s.axis)));
+                    target.column::<1, 1>(model, states, i, at, &carried.turning(&single(&s.axis)));
                 }
                 Joint::Prismatic(_) => {
-                    target.column::<1, 1>(model, states, i, at, carried.sliding(&single(&s.axis)));
+                    target.column::<1, 1>(model, states, i, at, &carried.sliding(&single(&s.axis)));
                 }
                 Joint::Fixed => {}
             }
