@@ -20,9 +20,14 @@ impl Numbers {
 }
 
 fn tree() -> Character {
+    tree_on(Joint::Free)
+}
+
+/// The tree with a root that moves as `root` does.
+fn tree_on(root: Joint) -> Character {
     let mut r = Numbers(0.3);
     let joints = [
-        (None, Joint::Free),
+        (None, root),
         (Some(0), Joint::Spherical),
         (Some(1), Joint::Revolute(Vec3::new(0.6, 0.0, 0.8))),
         (Some(0), Joint::Prismatic(Vec3::new(0.0, 0.8, -0.6))),
@@ -68,10 +73,24 @@ struct Case {
 }
 
 fn cases() -> Vec<Case> {
-    let character = tree();
-    let model = Model::new(&character, Vec3::new(0.3, -9.81, 0.2));
+    cases_of(&tree(), 20)
+}
+
+/// The tree on roots of every kind, and the human, whose root's zero frame is the world's.
+fn all_cases() -> Vec<Case> {
+    let slide = Joint::Prismatic(Vec3::new(0.0, 0.6, 0.8));
+    let mut cases = cases();
+    for root in [Joint::Fixed, slide, Joint::Revolute(Vec3::z()), Joint::Spherical] {
+        cases.extend(cases_of(&tree_on(root), 4));
+    }
+    cases.extend(cases_of(&dynamics::anthropometry::human::human().0, 4));
+    cases
+}
+
+fn cases_of(character: &Character, count: usize) -> Vec<Case> {
+    let model = Model::new(character, Vec3::new(0.3, -9.81, 0.2));
     let mut r = Numbers(0.7);
-    (0..20)
+    (0..count)
         .map(|_| {
             let mut q = character.skeleton.zero_pose();
             let turn: Vec<f64> = (0..model.nv()).map(|_| 2.0 * r.next()).collect();
@@ -111,7 +130,7 @@ fn welds_are_fused() {
 /// Columns of M are inverse dynamics of unit accelerations: two algorithms, one matrix.
 #[test]
 fn mass_matrix_is_inverse_dynamics_of_unit_accelerations() {
-    for c in cases() {
+    for c in all_cases() {
         let m = mass(&c);
         let n = c.model.nv();
         let zero = vec![0.0; n];
@@ -130,7 +149,7 @@ fn mass_matrix_is_inverse_dynamics_of_unit_accelerations() {
 #[test]
 fn work_is_the_change_of_energy() {
     let dt = 1e-5;
-    for c in cases() {
+    for c in all_cases() {
         let tau = inverse(&c, &c.q, &c.v, &c.vd, &[]);
         let power: f64 = tau.iter().zip(&c.v).map(|(t, v)| t * v).sum();
         let energy = |h: f64| {
@@ -182,7 +201,7 @@ fn root_force_is_the_rate_of_momentum() {
 /// Forward dynamics of inverse dynamics gives the acceleration back, and the other way round.
 #[test]
 fn forward_undoes_inverse() {
-    for c in cases() {
+    for c in all_cases() {
         let mut state = State::new(&c.model);
         state.update(&c.model, &c.q, &c.v);
         let w = Wrench {
@@ -225,7 +244,7 @@ fn no_inertia_is_refused() {
 /// The bias is Coriolis terms and gravity load, and each is what its name says.
 #[test]
 fn the_bias_is_coriolis_and_gravity() {
-    for c in cases() {
+    for c in all_cases() {
         let n = c.model.nv();
         let zero = vec![0.0; n];
         let mut state = State::new(&c.model);
@@ -273,7 +292,7 @@ fn the_bias_is_coriolis_and_gravity() {
 #[test]
 fn coriolis_terms_follow_from_the_mass_matrix() {
     let h = 1e-5;
-    for c in cases() {
+    for c in all_cases() {
         let n = c.model.nv();
         let v = DVector::from_vec(c.v.clone());
         let m_at = |direction: &[f64], s: f64| {
@@ -322,7 +341,7 @@ fn coriolis_terms_follow_from_the_mass_matrix() {
 #[test]
 fn momentum_rate_is_the_slope_of_the_momentum() {
     let dt = 1e-5;
-    for c in cases() {
+    for c in all_cases() {
         let along = |h: f64| {
             let mut q = c.q.clone();
             let mid: Vec<f64> = c.v.iter().zip(&c.vd).map(|(v, a)| v + 0.5 * a * h).collect();
@@ -352,7 +371,7 @@ fn momentum_rate_is_the_slope_of_the_momentum() {
 /// An outside wrench enters as −Jᵀ w, and Jᵀ w does the wrench's work on any velocity.
 #[test]
 fn wrenches_enter_through_the_jacobian() {
-    for c in cases() {
+    for c in all_cases() {
         let mut state = State::new(&c.model);
         state.update(&c.model, &c.q, &c.v);
         let at = Vec3::new(0.1, -0.2, 0.3);
@@ -419,7 +438,7 @@ fn gravity_stiffness_is_the_slope_of_the_gravity_load() {
 /// ∂τ/∂q, ∂τ/∂v, ∂τ/∂v̇ against central differences, with wrenches that stay in the world.
 #[test]
 fn derivatives_of_inverse_dynamics_are_its_slopes() {
-    for (i, c) in cases().iter().enumerate() {
+    for (i, c) in all_cases().iter().enumerate() {
         let n = c.model.nv();
         let mut state = State::new(&c.model);
         state.update(&c.model, &c.q, &c.v);
