@@ -9,6 +9,7 @@
 //! | [`character`] | mass, inertia, shapes and contact points on a skeleton |
 //! | [`model`] | a character compiled for dynamics, and its world-frame state |
 //! | [`rnea`] | inverse dynamics with outside wrenches |
+//! | [`import`] | characters from MJCF and URDF |
 //! | [`inertia`] | mass matrix, momentum, energy, gravity stiffness |
 //! | [`pose_map`] | poses between a clip's skeleton and a character's |
 //! | [`trace`] | what a dynamic run recorded |
@@ -16,6 +17,7 @@
 
 pub mod anthropometry;
 pub mod character;
+pub mod import;
 pub mod inertia;
 pub mod model;
 pub mod pose_map;
