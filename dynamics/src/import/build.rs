@@ -7,7 +7,7 @@ use std::collections::HashSet;
 use std::sync::Arc;
 
 use motion::format::model_file::{
-    Effect, FileBody, FileGeom, FileJoint, FileJointKind, FileShape, Format, LeftOut, ModelFile,
+    Effect, FileGeom, FileJoint, FileJointKind, FileShape, Format, LeftOut, ModelFile,
 };
 use motion::rotation::{between, exp};
 use motion::{Joint, Limits, Link, Quat, Shape, Site, Skeleton, Transform, Vec3};
@@ -114,7 +114,7 @@ impl Builder<'_> {
         self.names.insert(name.clone());
         self.links.push(Link::new(name, None, Vec3::zeros(), Joint::Fixed));
         self.link_of[0] = Some((0, Vec3::zeros()));
-        self.fill(0, base, Vec3::zeros(), !scenery);
+        self.fill(0, 0, Vec3::zeros(), !scenery);
     }
 
     /// A body: one link per joint, one if it is welded.
@@ -156,7 +156,7 @@ impl Builder<'_> {
         }
         let link = self.links.len() - 1;
         self.link_of[at] = Some((link, anchor));
-        self.fill(link, body, anchor, true);
+        self.fill(at, link, anchor, true);
     }
 
     fn push(&mut self, name: String, parent: Option<usize>, zero: Transform, joint: Joint) -> usize {
@@ -202,8 +202,8 @@ impl Builder<'_> {
     }
 
     /// Gives a link the mass, shapes and sites of a body; `anchor` is the link's origin in the body's frame.
-    fn fill(&mut self, link: usize, body: &FileBody, anchor: Vec3, shapes: bool) {
-        let at = self.link_of.iter().position(|l| l.is_some_and(|(l, _)| l == link)).unwrap_or(0);
+    fn fill(&mut self, at: usize, link: usize, anchor: Vec3, shapes: bool) {
+        let body = &self.file.bodies[at];
         let (mass, com, inertia) = self.masses[at];
         let com = if mass > 0.0 { com - anchor } else { Vec3::zeros() };
         let mut filled = Body { mass, com, inertia, shapes: Vec::new() };
@@ -220,7 +220,7 @@ impl Builder<'_> {
                         place: geom.place.clone(),
                     }),
                     None => {
-                        let what = format!("{}, a {}", geom_title(geom), geom.shape.word());
+                        let what = format!("{} ({})", geom_title(geom), geom.shape.word());
                         self.look(&what, "weighed, not drawn", &geom.place);
                     }
                 }

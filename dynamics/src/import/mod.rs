@@ -173,7 +173,7 @@ pub enum ImportError {
 fn refusal(items: &[LeftOut]) -> String {
     const SHOWN: usize = 12;
     let mut text = format!(
-        "{} not read and forces may depend on {}; with dynamics only, {} left out and listed:",
+        "{} not read and forces may depend on {}; with --dynamics-only {} left out and listed:",
         if items.len() == 1 { "one thing is".into() } else { format!("{} things are", items.len()) },
         if items.len() == 1 { "it" } else { "them" },
         if items.len() == 1 { "it is" } else { "they are" },

@@ -9,16 +9,17 @@
 //! | `schema` | the words of MJCF, and which of them are read |
 //! | `defaults` | `<default>` classes |
 //! | `orientation` | quaternions, Euler angles, axes |
-//! | `tree` | compiler, option, sections, bodies |
+//! | `tree` | compiler, option, sections |
+//! | `body` | bodies, joints, inertias, geoms, sites |
 //!
 //! # What is read
 //!
 //! `compiler` (`angle`, `eulerseq`, `autolimits`, `inertiafromgeom`, `inertiagrouprange`, `settotalmass`, `meshdir`, `assetdir`;
 //! `fusestatic` and `discardvisual` change nothing that is kept), `option gravity`, `default` classes with
-//! `class` and `childclass`, `body` with any orientation attribute, `joint`, `freejoint`, `inertial`, `geom`
+//! `class` and `childclass`, `frame`, `body` with any orientation attribute, `joint`, `freejoint`, `inertial`, `geom`
 //! (sphere, capsule, cylinder, box, ellipsoid, and on the world plane and height field) with `fromto`, `site`.
 //! A `size` with fewer numbers than its default keeps the rest of the default; the orientation or the
-//! default that comes last wins; a `fromto` wins over position and orientation: as MuJoCo has it.
+//! default that comes last wins; a `fromto` wins over an orientation and excludes a position: as MuJoCo 4 has it.
 //!
 //! # What is listed
 //!
@@ -29,12 +30,13 @@
 //!
 //! # What is refused in any case
 //!
-//! What would change bodies, masses or the meaning of joint values: `frame`, `replicate`, `attach`,
+//! What would change bodies, masses or the meaning of joint values: `replicate`, `attach`,
 //! `composite`, `flexcomp`, `flex`, plugins, `coordinate="global"`, `alignfree`, `balanceinertia`, `boundmass`,
 //! `boundinertia`, `shellinertia`, `passthrough`, geoms fitted to meshes.
 //!
 //! Source: MuJoCo's XML reference, and its own schema (`mj_printSchema`, 4.0.0).
 
+mod body;
 mod defaults;
 mod include;
 mod orientation;

@@ -128,6 +128,16 @@ pub const BODY: &[Word] = &[
     ("gravcomp", PASSIVE),
     ("mocap", Nonzero("moved from outside")),
 ];
+pub const FRAME: &[Word] = &[
+    ("name", Read),
+    ("childclass", Read),
+    ("pos", Read),
+    ("quat", Read),
+    ("axisangle", Read),
+    ("xyaxes", Read),
+    ("zaxis", Read),
+    ("euler", Read),
+];
 pub const INERTIAL: &[Word] = &[
     ("pos", Read),
     ("mass", Read),
@@ -416,7 +426,24 @@ pub const IN_BODY: &[Part] = &[
     ("camera", LISTED_LOOK),
     ("light", LISTED_LOOK),
     ("plugin", PLUGIN),
-    ("frame", WRITE_OUT),
+    ("frame", Taken),
+    ("replicate", WRITE_OUT),
+    ("attach", WRITE_OUT),
+    ("composite", WRITE_OUT),
+    ("flexcomp", WRITE_OUT),
+];
+
+/// Children of `<frame>`.
+pub const IN_FRAME: &[Part] = &[
+    ("body", Taken),
+    ("frame", Taken),
+    ("joint", Taken),
+    ("freejoint", Taken),
+    ("geom", Taken),
+    ("site", Taken),
+    ("camera", LISTED_LOOK),
+    ("light", LISTED_LOOK),
+    ("plugin", PLUGIN),
     ("replicate", WRITE_OUT),
     ("attach", WRITE_OUT),
     ("composite", WRITE_OUT),
