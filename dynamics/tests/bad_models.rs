@@ -82,7 +82,7 @@ fn words_that_mjcf_does_not_have() {
     );
     section(
         "<compiler «angle=\"degrees\"/>",
-        "`angle` of compiler=\"degrees\" is unknown; did you mean `degree`?",
+        "unknown word `degrees` for `angle` of compiler; did you mean `degree`?",
     );
     section("<option>«<flags/></option>", "unknown element <flags> in <option>; did you mean `flag`?");
     section(
@@ -91,7 +91,7 @@ fn words_that_mjcf_does_not_have() {
     );
     world(
         "<body><geom size=\"1\" «type=\"ball\"/></body>",
-        "`type` of geom=\"ball\" is unknown; there are: sphere, capsule, cylinder, box, ellipsoid, plane, hfield, mesh, sdf",
+        "unknown word `ball` for `type` of geom; there are: sphere, capsule, cylinder, box, ellipsoid, plane, hfield, mesh, sdf",
     );
 }
 
@@ -113,12 +113,9 @@ fn numbers_that_are_none() {
         "<body><joint «range=\"30 -30\"/></body>",
         "`range` of joint is 30 -30; it must be two numbers, the lower first",
     );
-    world(
-        "<body><joint name=\"k\" «limited=\"true\"/></body>",
-        "<joint `k`> needs `range`, as it is limited",
-    );
+    world("<body><joint name=\"k\" «limited=\"true\"/></body>", "joint `k` needs `range`, as it is limited");
     world("<body><geom name=\"g\" «size=\"-1\"/></body>", "`size` of geom `g` is -1; it must be positive");
-    world("<body><geom type=\"box\" name=\"g\" «size=\"1 1\"/></body>", "<geom `g`, a box,> needs 3 sizes");
+    world("<body><geom type=\"box\" name=\"g\" «size=\"1 1\"/></body>", "geom `g`, a box, needs 3 sizes");
     world("<body><geom size=\"1\" «mass=\"-1\"/></body>", "`mass` of geom is -1; it must be 0 or more");
     world(
         "<body><geom type=\"capsule\" size=\"1\" «fromto=\"1 2 3 1 2 3\"/></body>",
@@ -142,10 +139,7 @@ fn classes_nobody_defined() {
         "<default><default class=\"x\"/><default «class=\"x\"/></default>",
         "default class `x` is defined twice",
     );
-    section(
-        "<default>«<default/></default>",
-        "<default> needs `class`, as it stands inside another <default>",
-    );
+    section("<default>«<default/></default>", "default needs `class`, as it stands inside another <default>");
 }
 
 #[test]
@@ -165,8 +159,8 @@ fn masses_no_solid_has() {
         "mass=\"2\" diaginertia=\"1 2 4\"",
         "body `b` has principal inertias [1.0, 2.0, 4.0] kg·m²; the greatest must be at most the sum of the other two",
     );
-    inertial("«", "mass=\"2\"", "<inertial> needs `diaginertia` or `fullinertia`");
-    inertial("«", "diaginertia=\"1 2 2\"", "<inertial> needs `mass`");
+    inertial("«", "mass=\"2\"", "inertial needs `diaginertia` or `fullinertia`");
+    inertial("«", "diaginertia=\"1 2 2\"", "inertial needs `mass`");
 }
 
 #[test]
@@ -262,7 +256,7 @@ fn includes_that_lead_nowhere() {
     let twice = "d.xml is included a second time; a file can be included once\n  --> e.xml:2:1";
     assert_eq!(complaint(folder.path(), "e.xml", true), twice);
     write("f.xml", "<mujoco><include/></mujoco>");
-    assert_eq!(complaint(folder.path(), "f.xml", true), "<include> needs `file`\n  --> f.xml:1:9");
+    assert_eq!(complaint(folder.path(), "f.xml", true), "include needs `file`\n  --> f.xml:1:9");
     assert!(complaint(folder.path(), "no.xml", true).starts_with("cannot read no.xml: "));
 }
 
@@ -292,8 +286,8 @@ fn robots_that_are_no_trees() {
         "link `b` is the child of two joints, `j` and `k`; a link has one parent",
     );
     robot("«<link name=\"a\"/>", "the link name `a` is used twice; names must be unique");
-    robot(&joint("j", "«<parent/>"), "<parent> needs `link`");
-    check("r.urdf", "«<robot name=\"r\"/>", "<robot> needs a <link>");
+    robot(&joint("j", "«<parent/>"), "parent needs `link`");
+    check("r.urdf", "«<robot name=\"r\"/>", "robot needs a <link>");
     check(
         "r.urdf",
         "<robot name=\"r\">\n<link name=\"a\"/>\n«<link name=\"b\"/></robot>",
@@ -322,7 +316,7 @@ fn words_that_urdf_does_not_have() {
     );
     robot(
         &joint("«type=\"hinge\"", ""),
-        "`type` of joint `j`=\"hinge\" is unknown; there are: fixed, revolute, continuous, prismatic, floating, planar",
+        "unknown word `hinge` for `type` of joint `j`; there are: fixed, revolute, continuous, prismatic, floating, planar",
     );
     robot(
         &joint("type=\"continuous\"", "«<mimic joint=\"k\"/>"),
@@ -338,7 +332,7 @@ fn words_that_urdf_does_not_have() {
     );
     robot(
         &format!("«{}", joint("type=\"revolute\"", "")),
-        "<joint `j`> needs <limit>; a hinge without is `continuous`",
+        "joint `j` needs <limit>; a hinge without is `continuous`",
     );
     check(
         "r.urdf",

@@ -324,7 +324,7 @@ pub enum ModelFault {
         allowed: Vec<&'static str>,
     },
     /// An attribute or child that must be there.
-    #[error("<{element}> needs {needed}")]
+    #[error("{element} needs {needed}")]
     Missing {
         /// The element.
         element: String,
@@ -368,7 +368,7 @@ pub enum ModelFault {
         allowed: &'static str,
     },
     /// A word that is none of those allowed.
-    #[error("{attribute}=\"{found}\" is unknown{}", hint(found, allowed.iter().copied()))]
+    #[error("unknown word `{found}` for {attribute}{}", hint(found, allowed.iter().copied()))]
     BadWord {
         /// The attribute.
         attribute: String,
