@@ -260,6 +260,26 @@ fn includes_that_lead_nowhere() {
     assert!(complaint(folder.path(), "no.xml", true).starts_with("cannot read no.xml: "));
 }
 
+/// A name is looked for beside the main file first, then beside the file that has it.
+#[test]
+fn included_names_are_found_as_mujoco_finds_them() {
+    let folder = tempfile::tempdir().unwrap();
+    std::fs::create_dir(folder.path().join("sub")).unwrap();
+    let write = |name: &str, text: &str| std::fs::write(folder.path().join(name), text).unwrap();
+    let sized = |size: &str| format!("<mujoco><default><geom size=\"{size}\"/></default></mujoco>");
+    write(
+        "m.xml",
+        "<mujoco><include file=\"sub/a.xml\"/><worldbody><body><joint/><geom/></body></worldbody></mujoco>",
+    );
+    write("sub/a.xml", "<mujoco><include file=\"b.xml\"/></mujoco>");
+    let mass = || open(&folder.path().join("m.xml"), &ImportOptions::default()).unwrap().character.mass();
+    let ball = |r: f64| 4000.0 / 3.0 * std::f64::consts::PI * r * r * r;
+    write("sub/b.xml", &sized("0.5"));
+    assert!((mass() / ball(0.5) - 1.0).abs() < 1e-14);
+    write("b.xml", &sized("0.25"));
+    assert!((mass() / ball(0.25) - 1.0).abs() < 1e-14);
+}
+
 #[test]
 fn meshes_that_are_missing() {
     let folder = tempfile::tempdir().unwrap();

@@ -1,7 +1,8 @@
 //! `<include file="…"/>`: replaced by the children of the named file's root.
 //!
 //! In: the path of the main file. Out: one tree, every element with the place in its own file. A name is
-//! relative to the folder of the file it stands in; a file can be included once, and not in a circle.
+//! looked for beside the main file, then beside the file it stands in; a file can be included once, and
+//! not in a circle.
 
 use std::path::{Path, PathBuf};
 
@@ -19,6 +20,12 @@ pub fn read(path: &Path) -> Result<Element, ModelFileError> {
     let mut stack = vec![path.to_path_buf()];
     expand(&mut root, &mut stack, &mut seen)?;
     Ok(root)
+}
+
+/// The file `name` beside the main file, or else beside the file `inside` that names it: MuJoCo's order.
+pub fn find(main: &Path, inside: &Path, name: &Path) -> Option<PathBuf> {
+    let beside = |file: &Path| file.parent().unwrap_or(Path::new("")).join(name);
+    [beside(main), beside(inside)].into_iter().find(|path| path.is_file())
 }
 
 fn identity(path: &Path) -> PathBuf {
@@ -46,11 +53,10 @@ fn expand(
         let Some(name) = child.value("file") else {
             return Err(fault(ModelFault::Missing { element: "include".into(), needed: "`file`" }));
         };
-        let folder = stack.last().and_then(|p| p.parent()).unwrap_or(Path::new(""));
-        let path = folder.join(name);
-        if !path.is_file() {
+        let Some(path) = find(&stack[0], &child.place.file, Path::new(name)) else {
+            let path = stack[0].parent().unwrap_or(Path::new("")).join(name);
             return Err(fault(ModelFault::IncludeMissing { path }));
-        }
+        };
         let id = identity(&path);
         if let Some(at) = stack.iter().position(|p| identity(p) == id) {
             let chain = stack[at..].iter().chain([&path]).map(|p| p.display().to_string()).collect();

@@ -4,8 +4,10 @@
 //! the whole file wherever they stand, and the last one wins; defaults are read before bodies.
 
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 use super::defaults::Classes;
+use super::include;
 use super::orientation::Angles;
 use super::schema;
 use crate::format::attributes::Reader;
@@ -35,6 +37,7 @@ pub struct Compiler {
 
 /// A file while it is read.
 pub struct Tree {
+    pub main: Arc<PathBuf>,
     pub compiler: Compiler,
     pub classes: Classes,
     pub bodies: Vec<FileBody>,
@@ -63,7 +66,7 @@ pub fn read(root: &Element, stem: &str) -> Result<ModelFile, ModelFileError> {
             Ok(())
         })?;
     }
-    let mut tree = Tree { compiler, classes, bodies: Vec::new(), left_out };
+    let mut tree = Tree { main: root.place.file.clone(), compiler, classes, bodies: Vec::new(), left_out };
     for section in &root.children {
         match section.name.as_str() {
             "compiler" | "option" | "default" | "worldbody" | "size" | "statistic" => {}
@@ -195,9 +198,11 @@ impl Tree {
         let missing = mesh.attribute("file").and_then(|file| {
             let name = Path::new(&file.value);
             let name = if self.compiler.strip_path { Path::new(name.file_name()?) } else { name };
-            let beside = file.place.file.parent().unwrap_or(Path::new(""));
-            let path = beside.join(&self.compiler.mesh_folder).join(name);
-            (!path.is_file()).then_some(path)
+            let name = self.compiler.mesh_folder.join(name);
+            match include::find(&self.main, &file.place.file, &name) {
+                Some(_) => None,
+                None => Some(self.main.parent().unwrap_or(Path::new("")).join(name)),
+            }
         });
         self.left_out.push(LeftOut {
             what: mesh.title(),
