@@ -70,6 +70,29 @@ fn xml_that_is_none() {
     check("m.xml", &deep, "elements are nested more than 400 deep");
 }
 
+/// Nesting is bounded, also through includes, and what is allowed is read.
+#[test]
+fn depth_is_bounded() {
+    let folder = tempfile::tempdir().unwrap();
+    let write = |name: &str, text: &str| std::fs::write(folder.path().join(name), text).unwrap();
+    let nested = |n: usize, inside: &str| {
+        let body = "<body pos=\"0.1 0 0\"><joint/><geom size=\"0.1\"/>";
+        format!("{}{inside}{}", body.repeat(n), "</body>".repeat(n))
+    };
+    let file = |inside: &str| format!("<mujoco><worldbody>{inside}</worldbody></mujoco>");
+    write("deep.xml", &file(&nested(398, "")));
+    assert_eq!(open(&folder.path().join("deep.xml"), &ImportOptions::default()).unwrap().joints.len(), 398);
+    write("a.xml", &file(&nested(300, "<include file=\"b.xml\"/>")));
+    write("b.xml", &format!("<mujoco>{}</mujoco>", nested(300, "")));
+    let message = complaint(folder.path(), "a.xml", true);
+    assert!(message.starts_with("elements are nested more than 400 deep\n  --> b.xml:1:"), "{message}");
+    write("abyss.xml", &"<mujoco>".repeat(200_000));
+    complaint(folder.path(), "abyss.xml", true);
+    write("abyss.xml", &("<mujoco>".repeat(200_000) + &"</mujoco>".repeat(200_000)));
+    let message = complaint(folder.path(), "abyss.xml", true);
+    assert!(message.starts_with("elements are nested more than 400 deep\n"), "{message}");
+}
+
 #[test]
 fn words_that_mjcf_does_not_have() {
     world("«<boddy/>", "unknown element <boddy> in <worldbody>; did you mean `body`?");

@@ -135,6 +135,28 @@ fn ranges_are_limits() {
     assert!(manipulator.character.skeleton.links()[0].joint == Joint::Fixed);
 }
 
+/// Shapes and sites are where the file has them: a body of one solid has its centre of mass at the solid's
+/// centre, and a site at a joint's anchor is at the link's origin.
+#[test]
+fn shapes_and_sites_are_in_the_links_frames() {
+    use motion::Shape::{Box, Capsule, Sphere};
+    let imported = zoo("dm_control/humanoid.xml");
+    let mut seen = 0;
+    for body in &imported.character.bodies {
+        let [shape] = body.shapes.as_slice() else { continue };
+        let centre = match shape {
+            Capsule { a, b, .. } => (a + b) / 2.0,
+            Box { center, .. } | Sphere { center, .. } => *center,
+        };
+        assert!((centre - body.com).norm() < 1e-15);
+        seen += 1;
+    }
+    assert_eq!(seen, 13); // all but torso and feet, which have two capsules each
+    let knee = imported.character.skeleton.site("right_knee").unwrap();
+    assert_eq!(imported.character.skeleton.links()[knee.link].name, "right_shin");
+    assert!(knee.at.norm() < 1e-15);
+}
+
 /// Negative controls: a mass, an axis, a centre of mass that are wrong by little are far outside the tolerance.
 #[test]
 fn wrong_models_are_found_out() {

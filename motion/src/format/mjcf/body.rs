@@ -122,7 +122,15 @@ impl Tree {
                         let fault = ModelFault::Twice { element, parent };
                         return Err(ModelFileError::Model { fault, place: child.place.clone() });
                     }
-                    if self.compiler.from_geoms != FromGeoms::Always {
+                    if self.compiler.from_geoms == FromGeoms::Always {
+                        self.left_out.push(LeftOut {
+                            what: format!("inertial of {}", element.title()),
+                            reason: "the file asks for inertia from geoms",
+                            effect: Effect::Look,
+                            missing: None,
+                            place: child.place.clone(),
+                        });
+                    } else {
                         self.bodies[at].inertial = Some(inertial);
                     }
                 }

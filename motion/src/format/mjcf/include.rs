@@ -7,7 +7,7 @@
 use std::path::{Path, PathBuf};
 
 use crate::format::model_file::{ModelFault, ModelFileError};
-use crate::format::xml::{self, Element};
+use crate::format::xml::{self, Element, MAX_DEPTH};
 
 /// The main file with all includes expanded.
 pub fn read(path: &Path) -> Result<Element, ModelFileError> {
@@ -18,7 +18,7 @@ pub fn read(path: &Path) -> Result<Element, ModelFileError> {
     }
     let mut seen = vec![identity(path)];
     let mut stack = vec![path.to_path_buf()];
-    expand(&mut root, &mut stack, &mut seen)?;
+    expand(&mut root, 0, &mut stack, &mut seen)?;
     Ok(root)
 }
 
@@ -34,13 +34,18 @@ fn identity(path: &Path) -> PathBuf {
 
 fn expand(
     element: &mut Element,
+    depth: usize,
     stack: &mut Vec<PathBuf>,
     seen: &mut Vec<PathBuf>,
 ) -> Result<(), ModelFileError> {
+    if depth > MAX_DEPTH {
+        let fault = ModelFault::TooDeep { limit: MAX_DEPTH };
+        return Err(ModelFileError::Model { fault, place: element.place.clone() });
+    }
     let mut children = Vec::with_capacity(element.children.len());
     for mut child in std::mem::take(&mut element.children) {
         if child.name != "include" {
-            expand(&mut child, stack, seen)?;
+            expand(&mut child, depth + 1, stack, seen)?;
             children.push(child);
             continue;
         }
@@ -68,7 +73,7 @@ fn expand(
         seen.push(id);
         let mut root = xml::read(&path)?;
         stack.push(path);
-        expand(&mut root, stack, seen)?;
+        expand(&mut root, depth, stack, seen)?;
         stack.pop();
         children.append(&mut root.children);
     }
