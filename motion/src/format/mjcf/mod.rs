@@ -1,6 +1,6 @@
 //! MJCF, the XML of MuJoCo: bodies, joints, geoms and inertias, with defaults, includes and angles resolved.
 //!
-//! In: a file. Out: a [`ModelFile`](super::model_file::ModelFile), joint order and joint values those of
+//! In: a file. Out: a [`ModelFile`], joint order and joint values those of
 //! MuJoCo's `qpos`. Every element and attribute is read, listed as left out, or an error; none is skipped.
 //!
 //! | file | holds |
