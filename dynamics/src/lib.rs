@@ -7,6 +7,7 @@
 //! |---|---|
 //! | [`anthropometry`] | a body for any human-like skeleton |
 //! | [`character`] | mass, inertia, shapes and contact points on a skeleton |
+//! | [`mjcf`] | a character as MJCF |
 //! | [`model`] | a character compiled for dynamics, and its world-frame state |
 //! | [`rnea`] | inverse dynamics with outside wrenches |
 //! | [`inertia`] | mass matrix, momentum, energy, gravity stiffness |
@@ -17,6 +18,7 @@
 pub mod anthropometry;
 pub mod character;
 pub mod inertia;
+pub mod mjcf;
 pub mod model;
 pub mod pose_map;
 pub mod rnea;
