@@ -7,7 +7,14 @@
 //! |---|---|
 //! | [`anthropometry`] | a body for any human-like skeleton |
 //! | [`character`] | mass, inertia, shapes and contact points on a skeleton |
+//! | [`mjcf`] | a character as MJCF |
 //! | [`model`] | a character compiled for dynamics, and its world-frame state |
+//! | [`rnea`] | inverse dynamics with outside wrenches, bias, Coriolis terms, gravity load |
+//! | [`crba`] | mass matrix |
+//! | [`derivatives`] | slopes of inverse dynamics by pose, velocity and acceleration |
+//! | [`forward`] | accelerations from forces |
+//! | [`inertia`] | composites, momentum and its rate, energy, gravity stiffness |
+//! | [`penalty`] | the force of the ground on a point, from its height and slip |
 //! | [`rnea`] | inverse dynamics with outside wrenches |
 //! | [`import`] | characters from MJCF and URDF |
 //! | [`inertia`] | mass matrix, momentum, energy, gravity stiffness |
@@ -17,9 +24,14 @@
 
 pub mod anthropometry;
 pub mod character;
+pub mod crba;
+pub mod derivatives;
+pub mod forward;
 pub mod import;
 pub mod inertia;
+pub mod mjcf;
 pub mod model;
+pub mod penalty;
 pub mod pose_map;
 pub mod rnea;
 pub mod trace;
@@ -27,8 +39,11 @@ pub mod trace_npz;
 
 pub use anthropometry::{BodyOptions, BodyReport, GuessError, guess_body, guess_body_of_clip};
 pub use character::{Body, Character, CharacterError, JointClass};
-pub use inertia::Momentum;
+pub use derivatives::InverseDerivatives;
+pub use forward::{ForwardDynamics, NoInertia};
+pub use inertia::{Momentum, MomentumRate};
 pub use model::{Model, MovingBody, State};
+pub use penalty::Penalty;
 pub use pose_map::{PoseMap, PoseMapError};
-pub use rnea::Wrench;
+pub use rnea::{Wrench, total_wrench};
 pub use trace::{ContactSample, RootMode, Trace};
