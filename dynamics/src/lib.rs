@@ -7,6 +7,7 @@
 //! |---|---|
 //! | [`anthropometry`] | a body for any human-like skeleton |
 //! | [`character`] | mass, inertia, shapes and contact points on a skeleton |
+//! | [`mjcf`] | a character as MJCF |
 //! | [`model`] | a character compiled for dynamics, and its world-frame state |
 //! | [`rnea`] | inverse dynamics with outside wrenches, bias, Coriolis terms, gravity load |
 //! | [`crba`] | mass matrix |
@@ -14,6 +15,9 @@
 //! | [`forward`] | accelerations from forces |
 //! | [`inertia`] | composites, momentum and its rate, energy, gravity stiffness |
 //! | [`penalty`] | the force of the ground on a point, from its height and slip |
+//! | [`rnea`] | inverse dynamics with outside wrenches |
+//! | [`import`] | characters from MJCF and URDF |
+//! | [`inertia`] | mass matrix, momentum, energy, gravity stiffness |
 //! | [`pose_map`] | poses between a clip's skeleton and a character's |
 //! | [`trace`] | what a dynamic run recorded |
 //! | [`trace_npz`] | a trace as numpy arrays |
@@ -23,7 +27,9 @@ pub mod character;
 pub mod crba;
 pub mod derivatives;
 pub mod forward;
+pub mod import;
 pub mod inertia;
+pub mod mjcf;
 pub mod model;
 pub mod penalty;
 pub mod pose_map;

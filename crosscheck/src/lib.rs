@@ -1,0 +1,6 @@
+//! Every number about force, against MuJoCo.
+
+pub mod bridge;
+pub mod environment;
+pub mod layout;
+pub mod world;
