@@ -7,6 +7,7 @@ use std::io::{BufReader, BufWriter, Read, Write};
 use std::path::Path;
 use std::process::{Child, ChildStdin, ChildStdout, Command, Stdio};
 
+use motion::Vec3;
 use serde::Deserialize;
 use serde_json::{Value, json};
 
@@ -71,12 +72,15 @@ pub struct ModelInfo {
     /// Reference pose, `nq`.
     #[serde(skip)]
     pub qpos0: Vec<f64>,
-    /// Centre of mass of each body in its frame, m.
+    /// Centre of mass of each body in the reference pose, the file's world, m.
     #[serde(skip)]
-    pub coms: Vec<[f64; 3]>,
-    /// Axis of each joint in its body's frame.
+    pub coms: Vec<Vec3>,
+    /// Position of each joint in the reference pose, m.
     #[serde(skip)]
-    pub axes: Vec<[f64; 3]>,
+    pub anchors: Vec<Vec3>,
+    /// Axis of each hinge or slide in the reference pose.
+    #[serde(skip)]
+    pub axes: Vec<Vec3>,
 }
 
 /// A running MuJoCo. See the module header.
@@ -133,11 +137,15 @@ impl Bridge {
         let mut info: ModelInfo =
             serde_json::from_value(head).map_err(|e| BridgeError::Gone(format!("said nonsense: {e}")))?;
         let (nq, nb, nj) = (info.nq, info.bodies.len(), info.joints.len());
-        expect(&numbers, nq + 3 * nb + 3 * nj)?;
-        let triples = |x: &[f64]| x.chunks_exact(3).map(|c| [c[0], c[1], c[2]]).collect();
-        info.qpos0 = numbers[..nq].to_vec();
-        info.coms = triples(&numbers[nq..nq + 3 * nb]);
-        info.axes = triples(&numbers[nq + 3 * nb..]);
+        expect(&numbers, nq + 3 * nb + 6 * nj)?;
+        let triples = |x: &[f64]| x.chunks_exact(3).map(|c| Vec3::new(c[0], c[1], c[2])).collect();
+        let (first, rest) = numbers.split_at(nq);
+        let (coms, rest) = rest.split_at(3 * nb);
+        let (anchors, axes) = rest.split_at(3 * nj);
+        info.qpos0 = first.to_vec();
+        info.coms = triples(coms);
+        info.anchors = triples(anchors);
+        info.axes = triples(axes);
         Ok(info)
     }
 

@@ -173,6 +173,9 @@ class Session:
             for j in range(m.njnt)
         ]
         bodies = [{"name": m.body(b).name, "mass": float(m.body_mass[b])} for b in range(m.nbody)]
+        mujoco.mj_kinematics(m, self.d)
+        mujoco.mj_comPos(m, self.d)
+        places = (self.d.xipos, self.d.xanchor, self.d.xaxis)
         answer(
             {
                 "nq": m.nq,
@@ -182,7 +185,7 @@ class Session:
                 "gravity": m.opt.gravity.tolist(),
                 "version": mujoco.__version__,
             },
-            np.concatenate((m.qpos0, m.body_ipos.ravel(), m.jnt_axis.ravel())),
+            np.concatenate((m.qpos0, *(x.ravel() for x in places))),
         )
 
     def dynamics(self, request, numbers):
