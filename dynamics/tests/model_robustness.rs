@@ -15,7 +15,7 @@ fn files() -> Vec<PathBuf> {
         .filter(|path| path.extension().is_some_and(|e| e == "xml" || e == "urdf"))
         .collect();
     all.sort();
-    assert_eq!(all.len(), 11);
+    assert_eq!(all.len(), 12);
     all
 }
 
