@@ -11,6 +11,7 @@ in the control callback, which MuJoCo calls in every stage of its Runge-Kutta in
 import json
 import struct
 import sys
+from xml.etree import ElementTree
 
 import mujoco
 import numpy as np
@@ -144,6 +145,18 @@ class Balls:
             total[joint] += self.stop[joint] * np.linalg.solve(omega.T, back[i])
 
 
+def model_from_file(path):
+    """A model file as MuJoCo compiles it; of a URDF only what has mass or moves."""
+    if not path.lower().endswith(".urdf"):
+        return mujoco.MjModel.from_xml_path(path)
+    tree = ElementTree.parse(path).getroot()
+    for link in tree.iter("link"):
+        # looks, collision solids and their meshes carry no mass
+        for child in [c for c in link if c.tag != "inertial"]:
+            link.remove(child)
+    return mujoco.MjModel.from_xml_string(ElementTree.tostring(tree, encoding="unicode"))
+
+
 class Session:
     def __init__(self):
         self.m = self.d = None
@@ -153,7 +166,7 @@ class Session:
         if "xml" in request:
             m = mujoco.MjModel.from_xml_string(request["xml"])
         else:
-            m = mujoco.MjModel.from_xml_path(request["path"])
+            m = model_from_file(request["path"])
         flags = mujoco.mjtDisableBit
         for name in request.get("disable", []):
             m.opt.disableflags |= int(getattr(flags, "mjDSBL_" + name.upper()))

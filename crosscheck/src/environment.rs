@@ -114,7 +114,8 @@ fn find_python() -> Result<String, EnvironmentError> {
     let named = env::var("CONTRAPPOSTO_PYTHON").ok().filter(|v| !v.is_empty());
     let names = named.map_or_else(|| vec!["python3".into(), "python".into()], |n| vec![n]);
     let works = |name: &&String| {
-        let asked = Command::new(name).args(["-c", "import sys; sys.exit(sys.version_info < (3, 10))"]).output();
+        let asked =
+            Command::new(name).args(["-c", "import sys; sys.exit(sys.version_info < (3, 10))"]).output();
         asked.is_ok_and(|out| out.status.success())
     };
     let found = names.iter().find(works).cloned();

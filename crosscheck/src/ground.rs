@@ -179,14 +179,16 @@ pub fn landing(bridge: &Shared) -> Result<LandingRun, WorldError> {
     let reference = first_contact(&half_step.1, 2.0 * BOX_RATE_HZ);
     let gap = [(ours.peak - reference.peak) / reference.peak, (finer.peak - reference.peak) / reference.peak];
     let stiffer = drop(bridge, BOX_RATE_HZ, 2.0 * LANDING_HZ)?;
-    let stiffer =
-        [first_contact(&stiffer.0, BOX_RATE_HZ).peak, first_contact(&stiffer.1, BOX_RATE_HZ).peak];
+    let stiffer = [first_contact(&stiffer.0, BOX_RATE_HZ).peak, first_contact(&stiffer.1, BOX_RATE_HZ).peak];
     let compliance = format!(
         "four corner springs of {LANDING_HZ} Hz and damping ratio {LANDING_ZETA} per apparent mass on both sides"
     );
     let reason = format!(
         "rapier's step is first order: halving it takes the gap of the peak from {:+.2} % to {:+.2} %. Twice the natural frequency takes the peaks to {:.0} N and {:.0} N together",
-        100.0 * gap[0], 100.0 * gap[1], stiffer[0], stiffer[1]
+        100.0 * gap[0],
+        100.0 * gap[1],
+        stiffer[0],
+        stiffer[1]
     );
     let check = |what: &str, unit: &str, of: fn(&Landing) -> f64, threshold: f64| {
         let (x, y) = (of(&ours), of(&mujoco));
@@ -197,8 +199,14 @@ pub fn landing(bridge: &Shared) -> Result<LandingRun, WorldError> {
         check("peak force", "N", |l| l.peak, 0.10).because(reason),
         check("contact time", "s", |l| l.time, 0.10),
         // the reason itself is checked: first order halves the gap
-        Check::absolute("landing: gap of the peak at half the step over the gap", "", gap[1] / gap[0], 0.5, 0.2)
-            .at("MuJoCo's column: what first order predicts"),
+        Check::absolute(
+            "landing: gap of the peak at half the step over the gap",
+            "",
+            gap[1] / gap[0],
+            0.5,
+            0.2,
+        )
+        .at("MuJoCo's column: what first order predicts"),
     ];
     let vertical = |f: &[Vec3]| f.iter().map(|f| f.y).collect();
     Ok(LandingRun { checks, rate_hz: BOX_RATE_HZ, force: [vertical(&a), vertical(&theirs)] })
@@ -271,8 +279,7 @@ pub fn standing_weight(bridge: &Shared, stage: &Stage) -> Result<Check, PassErro
     };
     let (a, b) = (mean(&ours), mean(&theirs));
     let error = (a - weight).abs().max((b - weight).abs());
-    let check =
-        Check::of("standing weight", "N", (a, b), error, error / weight, 1e-3, Measure::Relative);
+    let check = Check::of("standing weight", "N", (a, b), error, error / weight, 1e-3, Measure::Relative);
     Ok(check.at(format!("mean of the last {STILL} s of {STAND}; m g = {weight:.2} N")))
 }
 
@@ -351,7 +358,8 @@ pub fn scene(bridge: &Shared, stage: &Stage, progress: &mut dyn FnMut(f64)) -> R
     );
     let reason = format!(
         "both integrators and the held drives are first order: at half the step the RMS difference goes from {:.3} % to {:.3} % of body weight",
-        100.0 * gap.rms, 100.0 * half.rms
+        100.0 * gap.rms,
+        100.0 * half.rms
     );
     let percent = |name: &str, share: f64, at: usize, allowed: f64| {
         let (x, y) = (a.force[at], b.force[at]);
@@ -392,7 +400,10 @@ pub fn scene(bridge: &Shared, stage: &Stage, progress: &mut dyn FnMut(f64)) -> R
         let seconds = *at as f64 / a.rate_hz;
         let (x, y) = (a.impulse(*at), b.impulse(*at));
         let name = format!("scene: impulse around the impact at {seconds:.2} s");
-        let spared = format!("a jump of {:.0} % of body weight in one step, not simultaneous in the two", 100.0 * share);
+        let spared = format!(
+            "a jump of {:.0} % of body weight in one step, not simultaneous in the two",
+            100.0 * share
+        );
         checks.push(Check::relative(&name, "N·s", x, y, y.abs(), 0.02).because(spared));
     }
     Ok(SceneRun { checks, ours, theirs })
@@ -446,7 +457,8 @@ impl Vertical {
 
     fn compare_spared(&self, other: &Self, weight: f64, spared: &[bool]) -> Gap {
         let settled = (SETTLE * self.rate_hz) as usize;
-        let (mut sum, mut count, mut peak, mut at) = (0.0, 0, 0.0, settled.min(spared.len().saturating_sub(1)));
+        let (mut sum, mut count, mut peak, mut at) =
+            (0.0, 0, 0.0, settled.min(spared.len().saturating_sub(1)));
         for k in settled..spared.len() {
             if spared[k] {
                 continue;

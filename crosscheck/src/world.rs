@@ -84,17 +84,15 @@ impl MujocoWorld {
     ) -> Result<Self, WorldError> {
         let model = Model::new(character, settings.gravity);
         let links = character.skeleton.links();
-        let driven = |i: usize| model.bodies[i].parent.is_some() || !matches!(model.bodies[i].joint, Joint::Free);
+        let driven =
+            |i: usize| model.bodies[i].parent.is_some() || !matches!(model.bodies[i].joint, Joint::Free);
         let of_kind = |f: fn(&Joint) -> bool| -> Vec<usize> {
             (0..model.bodies.len()).filter(|&i| driven(i) && f(&model.bodies[i].joint)).collect()
         };
         let hinges = of_kind(|j| matches!(j, Joint::Revolute(_) | Joint::Prismatic(_)));
         let balls = of_kind(|j| matches!(j, Joint::Spherical));
-        let set_points: Vec<SetPoints> = model
-            .bodies
-            .iter()
-            .map(|b| SetPoints::of(&b.joint, links[b.link].limits.as_ref()))
-            .collect();
+        let set_points: Vec<SetPoints> =
+            model.bodies.iter().map(|b| SetPoints::of(&b.joint, links[b.link].limits.as_ref())).collect();
         let antagonists = hinges
             .iter()
             .filter_map(|&i| match set_points[i] {

@@ -31,6 +31,7 @@ pub mod stage;
 pub use angle::Angle;
 pub use dynamics::{RootMode, Trace};
 pub use error::{SceneError, Source};
+pub use inspect::character_in;
 pub use overrides::Overrides;
 pub use report::Report;
 pub use scene::Scene;
