@@ -12,7 +12,7 @@
 //! | [`inertia`] | mass matrix, momentum, energy, gravity stiffness |
 //! | [`pose_map`] | poses between a clip's skeleton and a character's |
 //! | [`trace`] | what a dynamic run recorded |
-//! | [`trace_npz`] | a trace as numpy arrays |
+//! | [`trace_npz`] | a trace as numpy arrays, written and read |
 
 pub mod anthropometry;
 pub mod character;
@@ -30,3 +30,4 @@ pub use model::{Model, MovingBody, State};
 pub use pose_map::{PoseMap, PoseMapError};
 pub use rnea::Wrench;
 pub use trace::{ContactSample, RootMode, Trace};
+pub use trace_npz::TraceFileError;
