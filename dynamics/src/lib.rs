@@ -10,6 +10,7 @@
 //! | [`model`] | a character compiled for dynamics, and its world-frame state |
 //! | [`rnea`] | inverse dynamics with outside wrenches |
 //! | [`inertia`] | mass matrix, momentum, energy, gravity stiffness |
+//! | [`penalty`] | the force of the ground on a point, from its height and slip |
 //! | [`pose_map`] | poses between a clip's skeleton and a character's |
 //! | [`trace`] | what a dynamic run recorded |
 //! | [`trace_npz`] | a trace as numpy arrays, written and read |
@@ -18,6 +19,7 @@ pub mod anthropometry;
 pub mod character;
 pub mod inertia;
 pub mod model;
+pub mod penalty;
 pub mod pose_map;
 pub mod rnea;
 pub mod trace;
@@ -27,7 +29,8 @@ pub use anthropometry::{BodyOptions, BodyReport, GuessError, guess_body, guess_b
 pub use character::{Body, Character, CharacterError, JointClass};
 pub use inertia::Momentum;
 pub use model::{Model, MovingBody, State};
+pub use penalty::Penalty;
 pub use pose_map::{PoseMap, PoseMapError};
-pub use rnea::Wrench;
+pub use rnea::{Wrench, total_wrench};
 pub use trace::{ContactSample, RootMode, Trace};
 pub use trace_npz::TraceFileError;

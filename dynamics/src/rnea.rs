@@ -25,6 +25,18 @@ pub struct Wrench {
     pub moment: Vec3,
 }
 
+impl Wrench {
+    /// Moment about a point of the world, N·m.
+    pub fn moment_about(&self, point: &Vec3) -> Vec3 {
+        self.moment + (self.point - point).cross(&self.force)
+    }
+}
+
+/// Sum of wrenches about a point of the world: force (N) and moment (N·m), world axes.
+pub fn total_wrench(wrenches: &[Wrench], about: &Vec3) -> (Vec3, Vec3) {
+    wrenches.iter().fold((Vec3::zeros(), Vec3::zeros()), |(f, m), w| (f + w.force, m + w.moment_about(about)))
+}
+
 impl State {
     /// Generalised forces (`nv`, N or N·m) for the acceleration `vd` (`nv`) under outside wrenches.
     ///
