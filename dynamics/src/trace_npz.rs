@@ -227,7 +227,8 @@ fn joint_type(joint: &Joint) -> &'static str {
     }
 }
 
-fn dof_names(skeleton: &Skeleton) -> Vec<String> {
+/// Names of the degrees of freedom; see the table above.
+pub(crate) fn dof_names(skeleton: &Skeleton) -> Vec<String> {
     let several = |name: &str, axes: &[&str]| axes.iter().map(|a| format!("{name}.{a}")).collect();
     skeleton
         .links()
