@@ -5,6 +5,7 @@
 //!
 //! | module | holds |
 //! |---|---|
+//! | [`analysis`] | what forces a clip needs, and whether the ground can give them |
 //! | [`anthropometry`] | a body for any human-like skeleton |
 //! | [`character`] | mass, inertia, shapes and contact points on a skeleton |
 //! | [`model`] | a character compiled for dynamics, and its world-frame state |
@@ -15,6 +16,7 @@
 //! | [`trace`] | what a dynamic run recorded |
 //! | [`trace_npz`] | a trace as numpy arrays, written and read |
 
+pub mod analysis;
 pub mod anthropometry;
 pub mod character;
 pub mod inertia;
@@ -25,6 +27,7 @@ pub mod rnea;
 pub mod trace;
 pub mod trace_npz;
 
+pub use analysis::{Analysis, AnalysisError, AnalysisOptions, Grade, Ground, analyze};
 pub use anthropometry::{BodyOptions, BodyReport, GuessError, guess_body, guess_body_of_clip};
 pub use character::{Body, Character, CharacterError, JointClass};
 pub use inertia::Momentum;

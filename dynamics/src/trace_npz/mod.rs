@@ -50,3 +50,4 @@ mod read;
 mod write;
 
 pub use read::TraceFileError;
+pub(crate) use write::dof_names;

@@ -248,7 +248,7 @@ fn options() -> FileOptions {
         .unix_permissions(0o644)
 }
 
-fn dof_names(skeleton: &Skeleton) -> Vec<String> {
+pub(crate) fn dof_names(skeleton: &Skeleton) -> Vec<String> {
     let several = |name: &str, axes: &[&str]| axes.iter().map(|a| format!("{name}.{a}")).collect();
     skeleton
         .links()
