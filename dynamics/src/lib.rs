@@ -6,10 +6,12 @@
 //! | module | holds |
 //! |---|---|
 //! | [`analysis`] | what forces a clip needs, and whether the ground can give them |
+//! | [`analysis_files`] | an analysis as CSV, MOT, npz, and as a trace |
 //! | [`anthropometry`] | a body for any human-like skeleton |
 //! | [`character`] | mass, inertia, shapes and contact points on a skeleton |
 //! | [`model`] | a character compiled for dynamics, and its world-frame state |
 //! | [`rnea`] | inverse dynamics with outside wrenches |
+//! | [`ground_forces`] | ground forces required, given and measured, per foot |
 //! | [`inertia`] | mass matrix, momentum, energy, gravity stiffness |
 //! | [`penalty`] | the force of the ground on a point, from its height and slip |
 //! | [`pose_map`] | poses between a clip's skeleton and a character's |
@@ -17,8 +19,10 @@
 //! | [`trace_npz`] | a trace as numpy arrays, written and read |
 
 pub mod analysis;
+pub mod analysis_files;
 pub mod anthropometry;
 pub mod character;
+pub mod ground_forces;
 pub mod inertia;
 pub mod model;
 pub mod penalty;
@@ -30,6 +34,7 @@ pub mod trace_npz;
 pub use analysis::{Analysis, AnalysisError, AnalysisOptions, Grade, Ground, analyze};
 pub use anthropometry::{BodyOptions, BodyReport, GuessError, guess_body, guess_body_of_clip};
 pub use character::{Body, Character, CharacterError, JointClass};
+pub use ground_forces::{FootForce, GivenBy, GroundForces};
 pub use inertia::Momentum;
 pub use model::{Model, MovingBody, State};
 pub use penalty::Penalty;

@@ -50,4 +50,4 @@ mod read;
 mod write;
 
 pub use read::TraceFileError;
-pub(crate) use write::dof_names;
+pub(crate) use write::{Arrays, dof_names};

@@ -54,7 +54,7 @@ impl Trace {
         let skeleton = &*self.character.skeleton;
         let links = skeleton.links();
         let (nq, nv, count) = (skeleton.nq(), skeleton.nv(), links.len());
-        let mut npz = Arrays(ZipWriter::new(out));
+        let mut npz = Arrays::new(out);
 
         npz.numbers("rate_hz", &[], &[self.rate_hz])?;
         npz.numbers("substeps", &[], &[self.substeps as i64])?;
@@ -132,7 +132,7 @@ impl Trace {
         let units: Vec<&str> = UNITS.iter().flat_map(|u| [u.0, u.1]).collect();
         write_body(&mut npz, &self.character)?;
         npz.text("units", &[UNITS.len() as u64, 2], &units)?;
-        npz.0.finish()?.flush()
+        npz.finish()
     }
 
     /// Writes the trace to a file, under a temporary name first: a failure leaves an earlier file whole.
@@ -202,10 +202,24 @@ fn write_body<W: Write + Seek>(npz: &mut Arrays<W>, character: &Character) -> io
     npz.numbers("part_links", &[n, links.len() as u64], &member)
 }
 
-struct Arrays<W: Write + Seek>(ZipWriter<W>);
+/// Arrays on their way into a zip.
+pub(crate) struct Arrays<W: Write + Seek>(ZipWriter<W>);
 
 impl<W: Write + Seek> Arrays<W> {
-    fn numbers<T: AutoSerialize>(&mut self, name: &str, shape: &[u64], data: &[T]) -> io::Result<()> {
+    pub(crate) fn new(out: W) -> Self {
+        Self(ZipWriter::new(out))
+    }
+
+    pub(crate) fn finish(mut self) -> io::Result<()> {
+        self.0.finish()?.flush()
+    }
+
+    pub(crate) fn numbers<T: AutoSerialize>(
+        &mut self,
+        name: &str,
+        shape: &[u64],
+        data: &[T],
+    ) -> io::Result<()> {
         let mut bytes = Vec::new();
         let mut array = WriteOptions::new().default_dtype().shape(shape).writer(&mut bytes).begin_nd()?;
         array.extend(data)?;
@@ -218,17 +232,17 @@ impl<W: Write + Seek> Arrays<W> {
         self.0.write_all(npy)
     }
 
-    fn indices(&mut self, name: &str, data: impl Iterator<Item = usize>) -> io::Result<()> {
+    pub(crate) fn indices(&mut self, name: &str, data: impl Iterator<Item = usize>) -> io::Result<()> {
         let data: Vec<i64> = data.map(|i| i as i64).collect();
         self.numbers(name, &[data.len() as u64], &data)
     }
 
-    fn table(&mut self, name: &str, columns: usize, data: &[f64]) -> io::Result<()> {
+    pub(crate) fn table(&mut self, name: &str, columns: usize, data: &[f64]) -> io::Result<()> {
         let rows = data.len() / columns.max(1);
         self.numbers(name, &[rows as u64, columns as u64], data)
     }
 
-    fn text(&mut self, name: &str, shape: &[u64], data: &[&str]) -> io::Result<()> {
+    pub(crate) fn text(&mut self, name: &str, shape: &[u64], data: &[&str]) -> io::Result<()> {
         let width = data.iter().map(|s| s.chars().count()).max().unwrap_or(0).max(1);
         let dtype = format!("<U{width}").parse().map_err(io::Error::other)?;
         let mut bytes = Vec::new();
