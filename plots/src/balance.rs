@@ -1,17 +1,17 @@
 //! Centre of mass over the support.
 //!
-//! In: a [`Trace`]. Out: a page with the paths of the centre of mass and of the centre of pressure seen
+//! In: a [`Trace`](dynamics::Trace). Out: a page with the paths of the centre of mass and of the centre of pressure seen
 //! from above, over the hull of the points that carry the body at the start; beside it the margin of the
 //! centre of mass in the support of each moment, and its height.
 //!
 //! Seen from above with forward (+z) up, the character's left (+x) is on the left: the horizontal axis
 //! is −x. The margin is that of [`motion::Support`]: positive inside, negative outside.
 
-use dynamics::Trace;
 use motion::support::{Vec2, ground};
 use motion::{Kinematics, Support, Vec3};
 
 use crate::columns::{TIME, WIDTH, empty_page, rows, vectors, weight};
+use crate::excerpt::Excerpt;
 use crate::figure::Figure;
 use crate::gains::zero;
 use crate::panel::{Key, Panel, Series, Stroke, header, place};
@@ -24,7 +24,8 @@ const STANDING: f64 = 0.03;
 const SOLE: Color = Color(202, 209, 217);
 
 /// Centre of mass and centre of pressure over the support, margin and height over time.
-pub fn center_of_mass(trace: &Trace, note: &str) -> Figure {
+pub fn center_of_mass<'a>(trace: impl Into<Excerpt<'a>>, note: &str) -> Figure {
+    let trace = &trace.into();
     let title = "Centre of mass and support";
     let com = vectors(&trace.com, 3, 0);
     let rows = rows(trace).min(com.len());
@@ -58,7 +59,7 @@ fn seen(p: &Vec2) -> [f64; 2] {
     [-100.0 * p.x, 100.0 * p.y]
 }
 
-fn from_above(trace: &Trace, com: &[Vec3]) -> Panel {
+fn from_above(trace: &Excerpt, com: &[Vec3]) -> Panel {
     let path: Vec<[f64; 2]> = com.iter().map(|p| seen(&ground(p))).collect();
     let weight = weight(trace);
     let mut load = vec![0.0; com.len()];
@@ -97,7 +98,7 @@ fn from_above(trace: &Trace, com: &[Vec3]) -> Panel {
 }
 
 /// Hull of all points that carry the body at the start, and of each link's own.
-fn start_support(trace: &Trace) -> (Support, Vec<Support>) {
+fn start_support(trace: &Excerpt) -> (Support, Vec<Support>) {
     let mut points: Vec<(usize, Vec3)> = Vec::new();
     if let Some(first) = trace.contacts.first() {
         points.extend(trace.contacts.iter().take_while(|c| c.row == first.row).map(|c| (c.link, c.point)));
@@ -116,7 +117,7 @@ fn start_support(trace: &Trace) -> (Support, Vec<Support>) {
 }
 
 /// Support of each row: the hull of its contacts.
-fn supports(trace: &Trace, rows: usize) -> Vec<Support> {
+fn supports(trace: &Excerpt, rows: usize) -> Vec<Support> {
     let mut points: Vec<Vec<Vec2>> = vec![Vec::new(); rows];
     for c in trace.contacts.iter().filter(|c| c.row < rows) {
         points[c.row].push(ground(&c.point));
@@ -124,7 +125,7 @@ fn supports(trace: &Trace, rows: usize) -> Vec<Support> {
     points.into_iter().map(Support::of_plane).collect()
 }
 
-fn margin(trace: &Trace, com: &[Vec3], supports: &[Support]) -> Panel {
+fn margin(trace: &Excerpt, com: &[Vec3], supports: &[Support]) -> Panel {
     let inside = |(p, s): (&Vec3, &Support)| 1e3 * s.margin(&ground(p));
     // in the air there is no margin: −∞ breaks the curve
     let values: Vec<f64> = com.iter().zip(supports).map(inside).collect();
@@ -137,7 +138,7 @@ fn margin(trace: &Trace, com: &[Vec3], supports: &[Support]) -> Panel {
         ..Panel::default()
     };
     if least.is_finite() {
-        panel.series = vec![Series::over_time(trace.rate_hz, values, BLUE)];
+        panel.series = vec![Series::over_time(trace.clock(), values, BLUE)];
     } else {
         panel.title = "margin of the centre of mass inside the support".into();
         panel.message = match trace.ground_m {
@@ -148,14 +149,14 @@ fn margin(trace: &Trace, com: &[Vec3], supports: &[Support]) -> Panel {
     panel
 }
 
-fn com_height(trace: &Trace, com: &[Vec3]) -> Panel {
+fn com_height(trace: &Excerpt, com: &[Vec3]) -> Panel {
     let level = trace.ground_m.unwrap_or(0.0);
     let over = if trace.ground_m.is_some() { "over the ground" } else { "over y = 0" };
     Panel {
         title: format!("height of the centre of mass {over}"),
         x_label: TIME.into(),
         y_label: "cm".into(),
-        series: vec![Series::over_time(trace.rate_hz, com.iter().map(|p| 100.0 * (p.y - level)), BLUE)],
+        series: vec![Series::over_time(trace.clock(), com.iter().map(|p| 100.0 * (p.y - level)), BLUE)],
         least_span: 2.0,
         ..Panel::default()
     }

@@ -28,10 +28,26 @@ pub struct Series {
     pub stroke: Stroke,
 }
 
+/// Time of the rows of a table.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Clock {
+    /// Rows per second, Hz.
+    pub rate_hz: f64,
+    /// Time of the first row, s.
+    pub start_s: f64,
+}
+
+impl Clock {
+    /// Time of a row, s.
+    pub fn at(&self, row: usize) -> f64 {
+        self.start_s + row as f64 / self.rate_hz
+    }
+}
+
 impl Series {
     /// A solid curve over time, one value per row.
-    pub fn over_time(rate_hz: f64, values: impl IntoIterator<Item = f64>, color: Color) -> Self {
-        let points = values.into_iter().enumerate().map(|(i, y)| [i as f64 / rate_hz, y]).collect();
+    pub fn over_time(clock: Clock, values: impl IntoIterator<Item = f64>, color: Color) -> Self {
+        let points = values.into_iter().enumerate().map(|(i, y)| [clock.at(i), y]).collect();
         Self { points, color, width: style::LINE, stroke: Stroke::Solid }
     }
 
@@ -86,8 +102,23 @@ pub struct Panel {
     pub degrees: bool,
     /// Names of the curves in their colours, on the right of the title.
     pub tags: Vec<(String, Color)>,
+    /// Horizontal bands behind the curves, as far as the axis reaches: from, to, colour, what it means.
+    pub bands: Vec<Band>,
     /// Stands in the middle of an empty frame: why there is nothing to see.
     pub message: String,
+}
+
+/// A range of values with a meaning.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Band {
+    /// Lower end, data units.
+    pub from: f64,
+    /// Upper end; may be infinite.
+    pub to: f64,
+    /// Colour.
+    pub color: Color,
+    /// What it means; stands in the band's upper right corner where there is room.
+    pub label: String,
 }
 
 /// One line of a legend.
@@ -281,6 +312,13 @@ impl Panel {
         let (right, bottom) = (frame.at[0] + w, frame.at[1] + h);
 
         let empty = !self.message.is_empty();
+        for band in self.bands.iter().filter(|_| !empty) {
+            let (from, to) = (band.from.max(scale.y[0]), band.to.min(scale.y[1]));
+            if from < to {
+                let (low, high) = (px(&[0.0, from])[1], px(&[0.0, to])[1]);
+                figure.rectangle([frame.at[0], high], [w, low - high], band.color);
+            }
+        }
         for &t in scale.ticks.iter().filter(|_| !empty) {
             let y = px(&[0.0, t])[1];
             figure.line(vec![[frame.at[0], y], [right, y]], style::GRID, THIN);
@@ -319,6 +357,14 @@ impl Panel {
         }
         for (at, radius, color) in &self.dots {
             figure.disc(px(at), *radius, *color);
+        }
+        for band in self.bands.iter().filter(|_| !empty) {
+            let (from, to) = (band.from.max(scale.y[0]), band.to.min(scale.y[1]));
+            let (low, high) = (px(&[0.0, from])[1], px(&[0.0, to])[1]);
+            if low - high > 1.3 * SMALL {
+                let at = [right - 6.0, high + 1.1 * SMALL];
+                figure.text(band.label.as_str(), at, SMALL, style::SOFT, Anchor::End);
+            }
         }
         let [l, t] = frame.at;
         let corners = vec![[l, t], [right, t], [right, bottom], [l, bottom], [l, t]];
