@@ -34,8 +34,8 @@ pub mod study_report;
 
 pub use angle::Angle;
 pub use dynamics::analysis::Residual;
-pub use dynamics::analysis_files;
 pub use dynamics::{Analysis, Character, RootMode, Trace};
+pub use dynamics::{analysis_files, ground_forces};
 pub use error::{SceneError, Source};
 pub use overrides::Overrides;
 pub use report::Report;
