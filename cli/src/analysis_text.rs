@@ -40,9 +40,9 @@ fn write(out: &mut String, study: &Study, r: &AnalysisReport, dir: &Path) -> std
             line(out, if i == 0 { "read" } else { "" }, text)?;
         }
         if let Some(body) = &source.body {
-            for (i, text) in body.to_string().lines().enumerate() {
-                line(out, if i == 0 { "guessed" } else { "" }, text)?;
-            }
+            let all = body.to_string();
+            line(out, "guessed", all.lines().next().unwrap_or_default())?;
+            line(out, "", "`contrapposto inspect` lists masses and limits; --body gives others")?;
         }
     }
     smoothing(out, r)?;

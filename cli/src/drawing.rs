@@ -72,9 +72,10 @@ impl<'a> Drawing<'a> {
                 match self.study.penalty(a, 1e-3 * dynamics.sink_mm).map_err(Failure::input)? {
                     Some((forces, by)) => {
                         let label = format!(
-                            "given: penalty contact, sink {} mm, motion lowered by {:.2} mm",
+                            "given: penalty contact, sink {} mm, motion {} by {:.2} mm",
                             dynamics.sink_mm,
-                            1e3 * by.lowered_m
+                            if by.lowered_m < 0.0 { "raised" } else { "lowered" },
+                            1e3 * by.lowered_m.abs()
                         );
                         add(WitnessKind::Given, label, forces);
                     }
@@ -148,6 +149,10 @@ impl<'a> Drawing<'a> {
         let excerpt = match &self.joints {
             Some(links) => excerpt.of_joints(links.clone()),
             None => excerpt,
+        };
+        let excerpt = match self.study.recorded() {
+            Some(_) => excerpt,
+            None => excerpt.called("as given", "as analysed"),
         };
         let note = &self.note();
         match what {
@@ -242,11 +247,12 @@ impl<'a> Drawing<'a> {
         let mut rows = vec![StripRow { label: "performed", clip: &performed }];
         match self.study.recorded() {
             Some(_) => rows.insert(0, StripRow { label: "asked for", clip: &asked }),
-            None => rows[0].label = self.study.source.name(),
+            None => rows[0].label = "as analysed",
         }
         let [from_s, to_s] = self.span;
         let ground_m = self.trace.ground_m;
-        let options = StripOptions { from_s, to_s: Some(to_s), ground_m, ..StripOptions::default() };
+        let title = (rows.len() == 1).then(|| "Film strip".to_owned());
+        let options = StripOptions { from_s, to_s: Some(to_s), ground_m, title, ..StripOptions::default() };
         film_strip_with(&rows, &self.trace.character, note, &options)
     }
 

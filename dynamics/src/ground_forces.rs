@@ -10,9 +10,9 @@
 //! *Given*: (13), (14) at every contact point of the character. A penalty model stands a little inside the
 //! ground, and nobody knows the height of a ground to the tenth of a millimetre that its force depends on;
 //! so the whole motion is lowered by the one shift at which the mean vertical force is the required one.
-//! Only the course of the force over time is then the model's own. Anchors r̂ are where a point first
-//! came within the sink δ of the ground; a point that slides drags its anchor, so that the anchor's pull
-//! never exceeds μ f_n.
+//! Only the course of the vertical force is then the model's own. There are no anchors r̂: a foot that
+//! creeps by tenths of a millimetre, as every recorded one does, would be pulled back by hundreds of newtons.
+//! The horizontal force is that of slip alone, next to nothing under a foot that stands.
 //!
 //! *Measured*: contact forces on a foot and all links it carries; of other links in the total only.
 
@@ -101,20 +101,10 @@ impl GroundForces {
         let lowered_m = 0.5 * (lo + hi);
         let owner = owners(character);
         let mut out = Self::still(character, a.frames(), a.rate_hz());
-        let mut anchors: Vec<Option<[f64; 2]>> = vec![None; points];
         for (i, p) in soles.points.iter().enumerate() {
             let (row, c) = (i / points, i % points);
-            let z = p.height - lowered_m;
-            let here = [p.at.x, p.at.z];
-            let slip = match anchors[c] {
-                Some(anchor) if z < sink_m => [here[0] - anchor[0], here[1] - anchor[1]],
-                _ => [0.0; 2],
-            };
-            let most = penalty.mu * penalty.normal(z, p.velocity.y) / penalty.k_tp;
-            let drag = (most / slip[0].hypot(slip[1]).max(1e-12)).min(1.0);
-            let slip = slip.map(|s| s * drag);
-            anchors[c] = (z < sink_m).then_some([here[0] - slip[0], here[1] - slip[1]]);
-            let force = penalty.force(z, p.velocity.y, slip, [p.velocity.x, p.velocity.z]);
+            let rate = [p.velocity.x, p.velocity.z];
+            let force = penalty.force(p.height - lowered_m, p.velocity.y, [0.0; 2], rate);
             out.add(row, owner[character.skeleton.sites()[character.contacts[c]].link], force);
         }
         Ok(Some((out, GivenBy { penalty, sink_m, lowered_m })))
@@ -204,7 +194,6 @@ fn owners(character: &Character) -> Vec<usize> {
 }
 
 struct SolePoint {
-    at: Vec3,
     /// Above the ground, m.
     height: f64,
     velocity: Vec3,
@@ -227,7 +216,7 @@ impl Soles {
                 let site = &sites[c];
                 let at = state.point(&model, site.link, &site.at);
                 let velocity = state.point_velocity(&model, site.link, &site.at);
-                SolePoint { at, height: at.y - ground, velocity }
+                SolePoint { height: at.y - ground, velocity }
             }));
         }
         Self { points }

@@ -28,7 +28,8 @@ pub(crate) const COLORS: [Color; 3] = [style::BLUE, style::VERMILION, style::GRE
 /// Angles of the joints that move most: asked for dashed, performed solid, limits in grey where near.
 pub fn joint_angles<'a>(trace: impl Into<Excerpt<'a>>, note: &str) -> Figure {
     let trace = &trace.into();
-    let title = "Joint angles: asked for and performed";
+    let [asked, performed] = trace.names();
+    let title = &format!("Joint angles: {asked} and {performed}");
     let rows = rows(trace);
     let mut moving: Vec<(usize, f64)> =
         trace.joints().into_iter().map(|l| (l, travel(trace, l, rows))).collect();
@@ -45,8 +46,8 @@ pub fn joint_angles<'a>(trace: impl Into<Excerpt<'a>>, note: &str) -> Figure {
         _ => note.to_owned(),
     };
     let keys = [
-        Key::line("performed", INK),
-        Key::dashed("asked for", INK),
+        Key::line(performed, INK),
+        Key::dashed(asked, INK),
         Key::line("limit, in the tint of its curve", REFERENCE),
     ];
     let columns = if moving.len() > 4 { 3 } else { 2 };

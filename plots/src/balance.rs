@@ -7,6 +7,8 @@
 //! Seen from above with forward (+z) up, the character's left (+x) is on the left: the horizontal axis
 //! is −x. The margin is that of [`motion::Support`]: positive inside, negative outside.
 
+use std::collections::BTreeMap;
+
 use motion::support::{Vec2, ground};
 use motion::{Kinematics, Support, Vec3};
 
@@ -21,6 +23,8 @@ use crate::style::{self, BLUE, Color, GRID, INK, MARGIN, VERMILION};
 const LOADED: f64 = 0.05;
 /// Height over the ground up to which a contact point counts as standing when no force tells, m.
 const STANDING: f64 = 0.03;
+/// Footprints drawn.
+const MOST_PRINTS: usize = 200;
 const SOLE: Color = Color(202, 209, 217);
 
 /// Centre of mass and centre of pressure over the support, margin and height over time.
@@ -37,7 +41,7 @@ pub fn center_of_mass<'a>(trace: impl Into<Excerpt<'a>>, note: &str) -> Figure {
         Key::line("centre of mass", BLUE),
         Key::line("centre of pressure", VERMILION),
         Key::area("support at the start", GRID),
-        Key::area("each foot", SOLE),
+        Key::area("each foot, each time it stands", SOLE),
         Key::dot("start", INK),
     ];
     let (width, height, gap) = (WIDTH, 620.0, 24.0);
@@ -72,7 +76,7 @@ fn from_above(trace: &Excerpt, com: &[Vec3]) -> Panel {
             _ => [f64::NAN; 2],
         })
         .collect();
-    let (whole, feet) = start_support(trace);
+    let (whole, feet) = supports_and_footprints(trace);
     let corners = |s: &Support| -> Vec<[f64; 2]> { s.corners().iter().map(seen).collect() };
     let mut areas = vec![(corners(&whole), GRID)];
     areas.extend(feet.iter().map(|f| (corners(f), SOLE)));
@@ -97,12 +101,32 @@ fn from_above(trace: &Excerpt, com: &[Vec3]) -> Panel {
     }
 }
 
-/// Hull of all points that carry the body at the start, and of each link's own.
-fn start_support(trace: &Excerpt) -> (Support, Vec<Support>) {
+/// Hull of all points that carry the body at the start, and the footprints: of each link that stands, and
+/// each time it does, the hull of its points in the middle of that time.
+fn supports_and_footprints(trace: &Excerpt) -> (Support, Vec<Support>) {
+    let Some(first) = trace.contacts.first() else { return standing(trace) };
+    let start = trace.contacts.iter().take_while(|c| c.row == first.row).map(|c| &c.point);
+    let whole = Support::of(start);
+    let mut by_link: BTreeMap<usize, Vec<usize>> = BTreeMap::new();
+    for (i, c) in trace.contacts.iter().enumerate() {
+        by_link.entry(c.link).or_default().push(i);
+    }
+    let mut prints = Vec::new();
+    for contacts in by_link.values() {
+        for stance in contacts.chunk_by(|a, b| trace.contacts[*b].row <= trace.contacts[*a].row + 1) {
+            let row = trace.contacts[stance[stance.len() / 2]].row;
+            let middle = stance.iter().map(|i| &trace.contacts[*i]).filter(|c| c.row == row);
+            prints.push(Support::of(middle.map(|c| &c.point)));
+        }
+    }
+    prints.truncate(MOST_PRINTS);
+    (whole, prints)
+}
+
+/// Support and footprints of the first pose, where no force tells.
+fn standing(trace: &Excerpt) -> (Support, Vec<Support>) {
     let mut points: Vec<(usize, Vec3)> = Vec::new();
-    if let Some(first) = trace.contacts.first() {
-        points.extend(trace.contacts.iter().take_while(|c| c.row == first.row).map(|c| (c.link, c.point)));
-    } else if let Some(level) = trace.ground_m {
+    if let Some(level) = trace.ground_m {
         let skeleton = &trace.character.skeleton;
         let kinematics = Kinematics::new(skeleton, trace.pose(0));
         let sites = trace.character.contacts.iter().map(|&c| &skeleton.sites()[c]);
@@ -131,7 +155,7 @@ fn margin(trace: &Excerpt, com: &[Vec3], supports: &[Support]) -> Panel {
     let values: Vec<f64> = com.iter().zip(supports).map(inside).collect();
     let least = values.iter().copied().filter(|m| m.is_finite()).fold(f64::INFINITY, f64::min);
     let mut panel = Panel {
-        title: format!("margin of the centre of mass inside the support · least {least:.0} mm"),
+        title: format!("margin of the centre of mass inside the support · least {} mm", minus(least)),
         y_label: "mm".into(),
         guides: vec![zero(true)],
         least_span: 20.0,
@@ -147,6 +171,11 @@ fn margin(trace: &Excerpt, com: &[Vec3], supports: &[Support]) -> Panel {
         };
     }
     panel
+}
+
+/// Whole millimetres with a true minus sign.
+fn minus(mm: f64) -> String {
+    format!("{mm:.0}").replace('-', "\u{2212}")
 }
 
 fn com_height(trace: &Excerpt, com: &[Vec3]) -> Panel {

@@ -16,12 +16,16 @@ pub struct Excerpt<'a> {
     trace: Cow<'a, Trace>,
     start_s: f64,
     joints: Option<Vec<usize>>,
+    names: [&'static str; 2],
 }
+
+/// What the two motions of a trace are called.
+const NAMES: [&str; 2] = ["asked for", "performed"];
 
 impl<'a> Excerpt<'a> {
     /// The whole trace.
     pub fn whole(trace: &'a Trace) -> Self {
-        Self { trace: Cow::Borrowed(trace), start_s: 0.0, joints: None }
+        Self { trace: Cow::Borrowed(trace), start_s: 0.0, joints: None, names: NAMES }
     }
 
     /// The rows from `from_s` to `to_s`, ends included; at least one row.
@@ -33,13 +37,29 @@ impl<'a> Excerpt<'a> {
         let first = (from_s * trace.rate_hz - 1e-6).ceil().clamp(0.0, (rows - 1) as f64) as usize;
         let end = ((to_s * trace.rate_hz + 1e-6).floor() + 1.0).clamp(first as f64 + 1.0, rows as f64);
         let trace_of_span = trace.cut(first..end as usize);
-        Self { trace: Cow::Owned(trace_of_span), start_s: first as f64 / trace.rate_hz, joints: None }
+        Self {
+            trace: Cow::Owned(trace_of_span),
+            start_s: first as f64 / trace.rate_hz,
+            joints: None,
+            names: NAMES,
+        }
     }
 
     /// The same with only these links' joints, where a figure shows joints.
     pub fn of_joints(mut self, links: Vec<usize>) -> Self {
         self.joints = Some(links);
         self
+    }
+
+    /// The same with other names for the motion asked for and the one performed.
+    pub fn called(mut self, asked_for: &'static str, performed: &'static str) -> Self {
+        self.names = [asked_for, performed];
+        self
+    }
+
+    /// Names of the motion asked for and of the one performed.
+    pub(crate) fn names(&self) -> [&'static str; 2] {
+        self.names
     }
 
     /// Time of its rows.
@@ -72,6 +92,6 @@ impl<'a> From<&'a Trace> for Excerpt<'a> {
 
 impl<'a> From<&'a Excerpt<'a>> for Excerpt<'a> {
     fn from(e: &'a Excerpt<'a>) -> Self {
-        Self { trace: Cow::Borrowed(&e.trace), start_s: e.start_s, joints: e.joints.clone() }
+        Self { trace: Cow::Borrowed(&e.trace), start_s: e.start_s, joints: e.joints.clone(), names: e.names }
     }
 }

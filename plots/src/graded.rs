@@ -65,14 +65,15 @@ pub fn graded_residual(wrench: &[f64], clock: Clock, weight_n: f64, what: &str, 
     ];
     let mut panels = panels.to_vec();
     label_time(&mut panels, 1);
+    let bounds = |what: &str, i: usize| format!("{what} {} N, {} N·m", FORCE_PEAK_N[i], MOMENT_PEAK_NM[i]);
     let keys = [
         Key::line("x, to the left", COLORS[0]),
         Key::line("y, up", COLORS[1]),
         Key::line("z, forward", COLORS[2]),
         Key::line("magnitude", INK),
-        Key::area("good", GOOD),
-        Key::area("acceptable", ACCEPTABLE),
-        Key::area("poor", POOR),
+        Key::area(&bounds("good: up to", 0), GOOD),
+        Key::area(&bounds("acceptable: up to", 1), ACCEPTABLE),
+        Key::area("poor: beyond", POOR),
     ];
     let said: Vec<&str> =
         [note, what, "bands: OpenSim's guideline for peaks"].into_iter().filter(|s| !s.is_empty()).collect();
@@ -83,13 +84,13 @@ fn panel(title: String, unit: &str, of: Vec<motion::Vec3>, clock: Clock, [good, 
     let component = |k: usize| Series::over_time(clock, of.iter().map(|v| v[k]), COLORS[k]).wide(1.2);
     let mut series: Vec<Series> = (0..3).map(component).collect();
     series.push(Series::over_time(clock, of.iter().map(|v| v.norm()), INK));
-    let band = |from, to, color, label: String| Band { from, to, color, label };
+    let band = |from, to, color| Band { from, to, color };
     let bands = vec![
-        band(-good, good, GOOD, format!("good: up to {good} {unit}")),
-        band(good, limit, ACCEPTABLE, format!("acceptable: up to {limit} {unit}")),
-        band(limit, f64::INFINITY, POOR, format!("poor: over {limit} {unit}")),
-        band(-limit, -good, ACCEPTABLE, String::new()),
-        band(f64::NEG_INFINITY, -limit, POOR, String::new()),
+        band(-good, good, GOOD),
+        band(good, limit, ACCEPTABLE),
+        band(limit, f64::INFINITY, POOR),
+        band(-limit, -good, ACCEPTABLE),
+        band(f64::NEG_INFINITY, -limit, POOR),
     ];
     Panel { title, y_label: unit.into(), series, bands, least_span: 1.4 * limit, ..Panel::default() }
 }

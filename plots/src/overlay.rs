@@ -53,6 +53,10 @@ impl WitnessKind {
     }
 }
 
+/// A penalty force over this many times all others' peak is cut: feet that were captured a centimetre too
+/// low weigh tons, and would flatten everything else.
+const OFF_SCALE: f64 = 1.6;
+
 /// A witness of the ground forces.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Witness {
@@ -132,21 +136,37 @@ fn row<'a>(
         };
         order.iter().filter_map(one).collect()
     };
+    let ceiling = |f: fn(&Vec3) -> f64, least: f64| -> (Option<f64>, String) {
+        let peak = |w: &&Witness| {
+            let forces = part(&w.forces).unwrap_or_default();
+            forces.iter().map(f).filter(|y| y.is_finite()).fold(0.0, f64::max)
+        };
+        let others = order.iter().filter(|w| w.kind != WitnessKind::Given).map(peak).fold(least, f64::max);
+        match order.iter().find(|w| w.kind == WitnessKind::Given).map(peak) {
+            Some(given) if given > OFF_SCALE * others => {
+                (Some(1.3 * others), format!(" · penalty off scale, peak {} N", short(given)))
+            }
+            _ => (None, String::new()),
+        }
+    };
+    let (up, across) = (ceiling(|f| f.y, 0.5 * weight), ceiling(|f| f.x.hypot(f.z), 0.1 * weight));
     let line = Guide { y: weight, color: REFERENCE, stroke: Stroke::Dashed, always: name == "total" };
     vec![
         Panel {
-            title: title("vertical", &differences[0]),
+            title: title("vertical", &differences[0]) + &up.1,
             y_label: "N".into(),
             series: curves(|f| f.y),
             guides: vec![zero(true), line],
+            ceiling: up.0,
             least_span: 10.0,
             ..Panel::default()
         },
         Panel {
-            title: title("horizontal", &differences[1]),
+            title: title("horizontal", &differences[1]) + &across.1,
             y_label: "N".into(),
             series: curves(|f| f.x.hypot(f.z)),
             guides: vec![zero(true)],
+            ceiling: across.0,
             least_span: 10.0,
             ..Panel::default()
         },

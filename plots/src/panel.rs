@@ -102,8 +102,10 @@ pub struct Panel {
     pub degrees: bool,
     /// Names of the curves in their colours, on the right of the title.
     pub tags: Vec<(String, Color)>,
-    /// Horizontal bands behind the curves, as far as the axis reaches: from, to, colour, what it means.
+    /// Horizontal bands behind the curves, as far as the axis reaches.
     pub bands: Vec<Band>,
+    /// The vertical axis goes no higher, whatever the curves do; they are cut there.
+    pub ceiling: Option<f64>,
     /// Stands in the middle of an empty frame: why there is nothing to see.
     pub message: String,
 }
@@ -115,10 +117,8 @@ pub struct Band {
     pub from: f64,
     /// Upper end; may be infinite.
     pub to: f64,
-    /// Colour.
+    /// Colour; a legend says what it means.
     pub color: Color,
-    /// What it means; stands in the band's upper right corner where there is room.
-    pub label: String,
 }
 
 /// One line of a legend.
@@ -279,6 +279,7 @@ impl Scale {
         let curves = panel.series.iter().flat_map(|s| &s.points).chain(panel.areas.iter().flat_map(|a| &a.0));
         let values = curves.map(|p| p[1]).chain(panel.dots.iter().map(|d| d.0[1]));
         let guides = panel.guides.iter().filter(|g| g.always).map(|g| g.y);
+        let values = values.map(|y| panel.ceiling.map_or(y, |most| y.min(most)));
         let y = span(values.chain(guides), panel.least_span.max(1e-9));
         let step = step(y[1] - y[0], (height / 42.0).max(2.0), panel.degrees);
         Self { y, ticks: ticks(y, step), step }
@@ -347,7 +348,15 @@ impl Panel {
             }
         }
         for series in &self.series {
-            for run in series.points.split(|p| !p[0].is_finite() || !p[1].is_finite()) {
+            let cut;
+            let points = match self.ceiling {
+                Some(_) => {
+                    cut = below(&series.points, scale.y[1]);
+                    &cut
+                }
+                None => &series.points,
+            };
+            for run in points.split(|p| !p[0].is_finite() || !p[1].is_finite()) {
                 let points = simplify(&thin(run.iter().map(px).collect()), FLAT);
                 match series.stroke {
                     Stroke::Solid => figure.line(points, series.color, series.width),
@@ -357,14 +366,6 @@ impl Panel {
         }
         for (at, radius, color) in &self.dots {
             figure.disc(px(at), *radius, *color);
-        }
-        for band in self.bands.iter().filter(|_| !empty) {
-            let (from, to) = (band.from.max(scale.y[0]), band.to.min(scale.y[1]));
-            let (low, high) = (px(&[0.0, from])[1], px(&[0.0, to])[1]);
-            if low - high > 1.3 * SMALL {
-                let at = [right - 6.0, high + 1.1 * SMALL];
-                figure.text(band.label.as_str(), at, SMALL, style::SOFT, Anchor::End);
-            }
         }
         let [l, t] = frame.at;
         let corners = vec![[l, t], [right, t], [right, bottom], [l, bottom], [l, t]];
@@ -396,6 +397,23 @@ impl Panel {
             figure.upward(self.y_label.as_str(), at, LABEL, style::INK);
         }
     }
+}
+
+/// What of a curve lies at or below a height, broken where it leaves.
+fn below(points: &[[f64; 2]], most: f64) -> Vec<[f64; 2]> {
+    let mut out: Vec<[f64; 2]> = Vec::with_capacity(points.len());
+    for (i, p) in points.iter().enumerate() {
+        if let Some(before) = i.checked_sub(1).map(|j| points[j])
+            && (before[1] > most) != (p[1] > most)
+            && before[1].is_finite()
+            && p[1].is_finite()
+        {
+            let s = (most - before[1]) / (p[1] - before[1]);
+            out.push([before[0] + s * (p[0] - before[0]), most]);
+        }
+        out.push(if p[1] > most { [p[0], f64::NAN] } else { *p });
+    }
+    out
 }
 
 /// Least and greatest finite value; `[0, 1]` without any.

@@ -78,7 +78,7 @@ fn panel(trace: &Excerpt, link: usize, peak: f64, rows: usize, noise: &[f64], st
         series,
         bands: floor
             .filter(|f| *f > 0.0)
-            .map(|to| vec![Band { from: 0.0, to, color: NOISE, label: String::new() }])
+            .map(|to| vec![Band { from: 0.0, to, color: NOISE }])
             .unwrap_or_default(),
         guides: vec![zero(true)],
         least_span: 1.0,
@@ -94,5 +94,7 @@ fn sizes(trace: &Excerpt, torque: &[f64], link: usize, rows: usize) -> Vec<f64> 
         Joint::Spherical => Vec3::from_column_slice(&torque[row * nv + at..row * nv + at + 3]).norm(),
         _ => torque[row * nv + at].abs(),
     };
-    (0..rows).map(size).collect()
+    // at the start of a recorded run nothing has acted yet
+    let nothing = torque[..nv].iter().all(|x| *x == 0.0) && rows > 1;
+    (0..rows).map(|row| if row == 0 && nothing { f64::NAN } else { size(row) }).collect()
 }
