@@ -36,7 +36,7 @@ fn table() {
         let max = |x: &[f64]| x.iter().fold(0.0, |m: f64, v| m.max(v.abs()));
         println!(
             "{name:8} n {n} rate {:.0} m {:.1} ground {:+.3} Fy/W mean {:.3} max {:.2} min {:.2} flight {} \
-             cone {} ({:.2}) cop {} ({:.3}) residual F {:.0}/{:.0} M {:.0}/{:.0} {} noise F {:?} cutoff {:.1} tau max {:.0}",
+             cone {} ({:.2}) cop {} ({:.3}) residual F {:.0}/{:.0} M {:.0}/{:.0} {} noise F {:?} cutoff {:.1} ({:.1e} {:.2}) tau max {:.0}",
             a.rate_hz(),
             a.mass,
             a.ground_m.unwrap(),
@@ -54,7 +54,9 @@ fn table() {
             a.graded.moment_rms,
             a.graded.grade(),
             a.noise.force,
-            a.smoothing.cutoff_hz[0],
+            a.smoothing.cutoff_hz,
+            a.smoothing.strength.density,
+            a.smoothing.strength.colour,
             max(&a.tau),
         );
     }
