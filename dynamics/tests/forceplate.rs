@@ -163,6 +163,7 @@ fn own_smoother_on_raw_poses() {
         );
         let row = Row::of(&trial, &ours, &measured(&trial, false, &a.com, hz));
         row.print(&format!("{file}, raw, forces equally smoothed"));
+        println!("{file}: noise floor of the force {:.1} N per axis", a.noise.force);
         let plain = Row::of(&trial, &ours, &measured(&trial, false, &a.com, f64::INFINITY));
         plain.print(&format!("{file}, raw, forces unfiltered"));
         let (rough, rough_a) = required(&trial, Poses::Raw, Smoothing::Off);

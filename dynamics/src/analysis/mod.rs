@@ -23,7 +23,7 @@ pub mod noise;
 
 use motion::rotation::Vec3;
 use motion::skeleton::vec_at;
-use motion::smooth::{SmoothReport, Smoothed, Smoothing, Strength, smooth, smooth_at};
+use motion::smooth::{SmoothReport, Smoothed, Smoothing, Strength, smooth_at};
 use motion::{Clip, Joint};
 use thiserror::Error;
 
@@ -41,6 +41,10 @@ use ground::{Floor, Soles};
 /// has been taken away lies between 0.2 (6 Hz) and 0.04 mm/√Hz (10 Hz); markers on the thigh alone
 /// move by 10 mm and more over the bone (Leardini et al., Gait & Posture 21, 2005).
 pub const SOFT_TISSUE: f64 = 1.414e-4;
+
+/// Lowest cut-off that [`Smoothing::Auto`] takes for forces, Hz: the arms of a man who stands still move
+/// faster than his centre of mass.
+pub const LEAST_CUTOFF_HZ: f64 = 4.0;
 
 /// Settings of [`analyze`].
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -210,16 +214,21 @@ impl Analysis {
     }
 }
 
-/// Strength of smoothing for the forces of a clip: chosen on the path of its centre of mass, see
+/// Strength of smoothing for the forces of a clip, by the noise on the path of its centre of mass. See
 /// [`AnalysisOptions::smoothing`].
-pub fn strength(model: &Model, state: &mut State, clip: &Clip, soft_tissue: f64) -> Strength {
+pub fn strength(model: &Model, state: &mut State, clip: &Clip, options: &AnalysisOptions) -> Strength {
     let rest = vec![0.0; model.nv()];
     let mut com = Vec::with_capacity(3 * clip.frames());
     for k in 0..clip.frames() {
         state.update(model, clip.pose(k), &rest);
         com.extend(&state.com(model));
     }
-    Strength::of(&com, 3, clip.rate_hz, soft_tissue)
+    let chosen = Strength::of(&com, 3, clip.rate_hz, options.soft_tissue);
+    match options.smoothing {
+        Smoothing::Auto => Strength { cutoff_hz: chosen.cutoff_hz.max(LEAST_CUTOFF_HZ), ..chosen },
+        Smoothing::CutoffHz(cutoff_hz) => Strength { cutoff_hz, ..chosen },
+        Smoothing::Off => Strength { cutoff_hz: f64::INFINITY, assumed: 0.0, ..chosen },
+    }
 }
 
 /// Inverse dynamics of a clip. See the module header.
@@ -239,10 +248,8 @@ pub fn analyze(
     let clip = map.clip_to_character(clip, &character.skeleton);
     let model = Model::new(character, options.gravity);
     let mut state = State::new(&model);
-    let Smoothed { clip, derivatives, report } = match options.smoothing {
-        Smoothing::Auto => smooth_at(&clip, strength(&model, &mut state, &clip, options.soft_tissue)),
-        stated => smooth(&clip, stated),
-    };
+    let strength = strength(&model, &mut state, &clip, options);
+    let Smoothed { clip, derivatives, report } = smooth_at(&clip, strength);
     let soles = Soles::of(character, &model);
     let (v, vd) = (derivatives.v, derivatives.vd);
     let floor = Floor::new(&model, &mut state, &soles, &clip, &v, options);
@@ -316,7 +323,7 @@ pub fn analyze(
         a.friction_violations.note(k, given.cone, 1.0);
         a.support_violations.note(k, given.outside, ground::COP_SLACK);
     }
-    a.noise = NoiseFloor::of(&model, &mut state, &a.clip, &a.smoothing.acceleration_noise);
+    a.noise = NoiseFloor::of(&model, &mut state, &a.clip, &a.smoothing);
     a.graded = Residual::of(&a.residual);
     Ok(a)
 }

@@ -27,7 +27,7 @@ pub mod whittaker;
 use crate::{Clip, Derivatives, Joint, Skeleton};
 
 pub use strength::Strength;
-use whittaker::{Whittaker, lambda, response};
+use whittaker::{Whittaker, lambda, response, third_differences};
 
 /// Metres that one radian of a joint counts for when lengths and angles choose one strength together.
 const LEVER: f64 = 0.25;
@@ -54,8 +54,8 @@ pub struct SmoothReport {
     pub cutoff_hz: f64,
     /// How it was chosen.
     pub strength: Strength,
-    /// Noise of the given poses, standard deviation per degree of freedom (`nv`), m or rad: what was taken
-    /// away, and what must have passed beside it.
+    /// Noise of the given poses, standard deviation per degree of freedom (`nv`), m or rad, from the upper
+    /// end of the band; zero where nothing was smoothed.
     pub noise: Vec<f64>,
     /// What is left of it in the accelerations (`nv`), m/s² or rad/s².
     pub acceleration_noise: Vec<f64>,
@@ -118,11 +118,11 @@ pub fn smooth_at(clip: &Clip, strength: Strength) -> Smoothed {
                 clip.skeleton.integrate(out.pose_mut(k), &shift[k * nv..(k + 1) * nv], 1.0);
             }
         }
-        let removed = residual_power(clip, &out);
-        let (kept, left) = passed(&strength, lambda, clip.rate_hz);
-        for i in 0..nv {
-            noise[i] = (removed[i] / kept).sqrt();
-            acceleration_noise[i] = noise[i] * left.sqrt();
+        let rate = clip.rate_hz;
+        let left = variance(&strength, rate, |hz| response(lambda, hz, rate) * curvature(hz / rate));
+        for (i, power) in noise_power(clip, &out, &strength, lambda).iter().enumerate() {
+            noise[i] = power.sqrt();
+            acceleration_noise[i] = noise[i] * left.sqrt() * rate * rate;
         }
     }
     let derivatives = derivatives(&out);
@@ -173,32 +173,39 @@ fn levers(skeleton: &Skeleton) -> Vec<f64> {
     skeleton.links().iter().flat_map(|l| of(&l.joint)).collect()
 }
 
-/// Mean square of what was taken away, per degree of freedom.
-fn residual_power(before: &Clip, after: &Clip) -> Vec<f64> {
-    let nv = before.skeleton.nv();
-    let (mut sum, mut row) = (vec![0.0; nv], vec![0.0; nv]);
-    for k in 0..before.frames() {
-        before.skeleton.difference(after.pose(k), before.pose(k), 1.0, &mut row);
-        sum.iter_mut().zip(&row).for_each(|(s, x)| *s += x * x);
+/// Variance of the noise per degree of freedom, from what was taken away.
+///
+/// Third differences first: they weigh the upper end of the band, where what was taken away is noise only;
+/// `shape` carries it down to the rest of the band.
+fn noise_power(before: &Clip, after: &Clip, strength: &Strength, lambda: f64) -> Vec<f64> {
+    let (frames, nv, rate) = (before.frames(), before.skeleton.nv(), before.rate_hz);
+    let mut taken = vec![0.0; frames * nv];
+    for (k, row) in taken.chunks_exact_mut(nv.max(1)).enumerate() {
+        before.skeleton.difference(after.pose(k), before.pose(k), 1.0, row);
     }
-    sum.iter_mut().for_each(|s| *s /= before.frames() as f64);
-    sum
+    let third = third_differences(&taken, nv);
+    let gain = variance(strength, rate, |hz| {
+        (1.0 - response(lambda, hz, rate)) * (2.0 * (std::f64::consts::PI * hz / rate).sin()).powi(3)
+    });
+    let mut sum = vec![0.0; nv];
+    for row in third.chunks_exact(nv.max(1)) {
+        sum.iter_mut().zip(row).for_each(|(s, x)| *s += x * x);
+    }
+    let scale = 1.0 / ((frames - 3) as f64 * gain);
+    sum.iter().map(|s| s * scale).collect()
 }
 
-/// Of noise of unit variance: the variance that smoothing takes away, and that of the accelerations that
-/// are left, 1/s⁴.
-fn passed(strength: &Strength, lambda: f64, rate_hz: f64) -> (f64, f64) {
+/// Variance that a filter with the given response leaves of noise of unit variance.
+fn variance(strength: &Strength, rate_hz: f64, response: impl Fn(f64) -> f64) -> f64 {
     const BINS: usize = 512;
-    let (mut all, mut taken, mut left) = (0.0, 0.0, 0.0);
+    let (mut all, mut left) = (0.0, 0.0);
     for i in 0..BINS {
         let hz = (i as f64 + 0.5) / BINS as f64 * 0.5 * rate_hz;
         let power = strength.shape(hz, rate_hz);
-        let h = response(lambda, hz, rate_hz);
         all += power;
-        taken += power * (1.0 - h).powi(2);
-        left += power * (h * curvature(hz / rate_hz)).powi(2);
+        left += power * response(hz).powi(2);
     }
-    (taken / all, left / all * rate_hz.powi(4))
+    left / all
 }
 
 /// Response of the five-point second difference at `x` cycles per frame.

@@ -71,7 +71,7 @@ impl Strength {
         let spectrum = Spectrum::of(paths, columns, rate_hz);
         let (noise, colour) = spectrum.noise();
         let to_density = (2.0 / rate_hz).sqrt();
-        let density = noise[noise.len() / 2].sqrt() * to_density;
+        let density = noise[(noise.len() - 1) / 2].sqrt() * to_density;
         let assumed = if density > RECORDED { least } else { 0.0 };
         let floor = (assumed / to_density).powi(2);
 
@@ -88,6 +88,23 @@ impl Strength {
             }
         }
         Self { cutoff_hz: best.1, colour, density, assumed }
+    }
+
+    /// Standard deviation of the noise that is left in the second derivative of a path with this noise, smoothed
+    /// with this cut-off: unit of the paths per s².
+    pub fn acceleration_noise(&self, rate_hz: f64) -> f64 {
+        const BINS: usize = 512;
+        let step = 0.5 * rate_hz / BINS as f64;
+        let lambda = if self.cutoff_hz < 0.5 * rate_hz { lambda(self.cutoff_hz, rate_hz) } else { 0.0 };
+        let middle = self.shape(0.25 * rate_hz, rate_hz);
+        let power = (0..BINS).map(|i| {
+            let hz = (i as f64 + 0.5) * step;
+            let measured = self.density * self.density * self.shape(hz, rate_hz) / middle;
+            let density = measured.max(self.assumed * self.assumed);
+            let gain = response(lambda, hz, rate_hz) * super::curvature(hz / rate_hz);
+            density * gain * gain * step
+        });
+        power.sum::<f64>().sqrt() * rate_hz * rate_hz
     }
 
     /// Power spectrum of the noise at `hz`, to an unknown factor.
