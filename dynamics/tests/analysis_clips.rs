@@ -36,7 +36,7 @@ fn table() {
         let max = |x: &[f64]| x.iter().fold(0.0, |m: f64, v| m.max(v.abs()));
         println!(
             "{name:8} n {n} rate {:.0} m {:.1} ground {:+.3} Fy/W mean {:.3} max {:.2} min {:.2} flight {} \
-             cone {} ({:.2}) cop {} ({:.3}) residual F {:.0}/{:.0} M {:.0}/{:.0} {} noise F {:?} cutoff {:.1} tau max {:.0}",
+             cone {} ({:.2}) cop {} ({:.3}) residual F {:.0}/{:.0} M {:.0}/{:.0} {} noise F {:.0} tau {:.1} cutoff {:.1} ({:.1e} {:.2}) tau max {:.0}",
             a.rate_hz(),
             a.mass,
             a.ground_m.unwrap(),
@@ -54,8 +54,33 @@ fn table() {
             a.graded.moment_rms,
             a.graded.grade(),
             a.noise.force,
-            a.smoothing.cutoff_hz[0],
+            a.noise.tau[6..].iter().copied().fold(0.0, f64::max),
+            a.smoothing.cutoff_hz,
+            a.smoothing.strength.density,
+            a.smoothing.strength.colour,
             max(&a.tau),
         );
+    }
+}
+
+#[test]
+#[ignore]
+fn dump() {
+    for name in ["16_35", "16_03", "02_01"] {
+        let a = analysed(name);
+        println!("{name}");
+        for k in (0..a.frames()).step_by(3) {
+            print!("{k:4} Fy {:5.2}", a.required_force[3 * k + 1] / a.weight());
+            for f in &a.feet {
+                print!(
+                    " | {} h {:6.3} s {:5.2} cop {:6.2}",
+                    if f.contact[k] { "C" } else { "-" },
+                    f.height[k],
+                    f.share[k],
+                    f.cop[3 * k + 2]
+                );
+            }
+            println!(" want {:5.2} {:5.2}", a.cop[3 * k], a.cop[3 * k + 2]);
+        }
     }
 }

@@ -54,7 +54,7 @@ pub use rotation::{EulerOrder, Quat, Vec3};
 pub use script::{Script, ScriptError};
 pub use shape::Shape;
 pub use skeleton::{BallLimits, Joint, Limb, LimbKind, Limits, Link, Range, Site, Skeleton, SkeletonError};
-pub use smooth::{SmoothReport, Smoothed, Smoothing, smooth};
+pub use smooth::{SmoothReport, Smoothed, Smoothing, Strength, smooth};
 pub use support::Support;
 pub use track::{Element, Label, Track, Tracks};
 

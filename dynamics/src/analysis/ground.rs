@@ -59,7 +59,7 @@ pub struct Contact {
 
 impl Default for Contact {
     fn default() -> Self {
-        Self { height_m: 0.05, speed_m_s: 0.8 }
+        Self { height_m: 0.05, speed_m_s: 1.2 }
     }
 }
 

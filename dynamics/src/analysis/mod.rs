@@ -23,7 +23,7 @@ pub mod noise;
 
 use motion::rotation::Vec3;
 use motion::skeleton::vec_at;
-use motion::smooth::{SmoothReport, Smoothed, Smoothing, smooth};
+use motion::smooth::{SmoothReport, Smoothed, Smoothing, Strength, smooth_at};
 use motion::{Clip, Joint};
 use thiserror::Error;
 
@@ -35,11 +35,28 @@ pub use noise::NoiseFloor;
 
 use ground::{Floor, Soles};
 
+/// Default of [`AnalysisOptions::soft_tissue`], m/√Hz: 1 mm RMS in the 50 Hz of a 100 Hz recording.
+///
+/// What is left of the centre of mass of two measured walks after the double integral of the force plates
+/// has been taken away lies between 0.2 (6 Hz) and 0.04 mm/√Hz (10 Hz); markers on the thigh alone
+/// move by 10 mm and more over the bone (Leardini et al., Gait & Posture 21, 2005).
+pub const SOFT_TISSUE: f64 = 1.414e-4;
+
+/// Lowest cut-off that [`Smoothing::Auto`] takes for forces, Hz: the arms of a man who stands still move
+/// faster than his centre of mass.
+pub const LEAST_CUTOFF_HZ: f64 = 4.0;
+
 /// Settings of [`analyze`].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct AnalysisOptions {
-    /// How the clip is smoothed before it is differentiated.
+    /// How the clip is smoothed before it is differentiated. [`Smoothing::Auto`] takes the cut-off that
+    /// minimises the expected error of the acceleration of the *centre of mass*, which is the force the
+    /// ground must give, with noise of at least [`AnalysisOptions::soft_tissue`].
     pub smoothing: Smoothing,
+    /// Least density of noise assumed on the path of a recorded centre of mass, m/√Hz; 0 for none. Skin
+    /// moves over bone with the body's own frequencies, which no spectrum tells from motion. It is not
+    /// assumed where no noise is measured at all (simulated or fitted motion).
+    pub soft_tissue: f64,
     /// Gravity, world, m/s².
     pub gravity: Vec3,
     /// Where the ground is.
@@ -54,6 +71,7 @@ impl Default for AnalysisOptions {
     fn default() -> Self {
         Self {
             smoothing: Smoothing::Auto,
+            soft_tissue: SOFT_TISSUE,
             gravity: Vec3::new(0.0, -9.81, 0.0),
             ground: Ground::Detect,
             friction: 0.8,
@@ -196,6 +214,23 @@ impl Analysis {
     }
 }
 
+/// Strength of smoothing for the forces of a clip, by the noise on the path of its centre of mass. See
+/// [`AnalysisOptions::smoothing`].
+pub fn strength(model: &Model, state: &mut State, clip: &Clip, options: &AnalysisOptions) -> Strength {
+    let rest = vec![0.0; model.nv()];
+    let mut com = Vec::with_capacity(3 * clip.frames());
+    for k in 0..clip.frames() {
+        state.update(model, clip.pose(k), &rest);
+        com.extend(&state.com(model));
+    }
+    let chosen = Strength::of(&com, 3, clip.rate_hz, options.soft_tissue);
+    match options.smoothing {
+        Smoothing::Auto => Strength { cutoff_hz: chosen.cutoff_hz.max(LEAST_CUTOFF_HZ), ..chosen },
+        Smoothing::CutoffHz(cutoff_hz) => Strength { cutoff_hz, ..chosen },
+        Smoothing::Off => Strength { cutoff_hz: f64::INFINITY, assumed: 0.0, ..chosen },
+    }
+}
+
 /// Inverse dynamics of a clip. See the module header.
 ///
 /// The clip may be of the character's skeleton or of the one it was guessed from (with welded joints
@@ -210,11 +245,11 @@ pub fn analyze(
 ) -> Result<Analysis, AnalysisError> {
     check(clip, options)?;
     let map = PoseMap::new(&clip.skeleton, &character.skeleton)?;
-    let Smoothed { clip, derivatives, report } =
-        smooth(&map.clip_to_character(clip, &character.skeleton), options.smoothing);
-
+    let clip = map.clip_to_character(clip, &character.skeleton);
     let model = Model::new(character, options.gravity);
     let mut state = State::new(&model);
+    let strength = strength(&model, &mut state, &clip, options);
+    let Smoothed { clip, derivatives, report } = smooth_at(&clip, strength);
     let soles = Soles::of(character, &model);
     let (v, vd) = (derivatives.v, derivatives.vd);
     let floor = Floor::new(&model, &mut state, &soles, &clip, &v, options);
@@ -288,7 +323,7 @@ pub fn analyze(
         a.friction_violations.note(k, given.cone, 1.0);
         a.support_violations.note(k, given.outside, ground::COP_SLACK);
     }
-    a.noise = NoiseFloor::of(&model, &mut state, &a.clip, &a.smoothing.acceleration_noise);
+    a.noise = NoiseFloor::of(&model, &mut state, &a.clip, &a.smoothing);
     a.graded = Residual::of(&a.residual);
     Ok(a)
 }
@@ -355,6 +390,11 @@ fn check(clip: &Clip, options: &AnalysisOptions) -> Result<(), AnalysisError> {
     }
     if let Smoothing::CutoffHz(hz) = options.smoothing {
         positive("the cut-off frequency", hz, hz > 0.0)?;
+    }
+    let soft = options.soft_tissue;
+    if !(soft >= 0.0 && soft.is_finite()) {
+        let allowed = "zero or more";
+        return Err(AnalysisError::Option { name: "the soft tissue's noise", value: soft, allowed });
     }
     let Contact { height_m, speed_m_s } = options.contact;
     positive("the height of contact", height_m, height_m > 0.0)?;

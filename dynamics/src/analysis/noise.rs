@@ -1,10 +1,17 @@
-//! The noise floor of inverse dynamics: what noise of the accelerations makes of forces and torques.
+//! The noise floor of inverse dynamics: what noise of the poses makes of forces and torques.
 //!
-//! In: the acceleration noise that the smoother left, per degree of freedom. Out: standard deviations.
-//! Linear: `σ²(τ_i) = Σ_j M_ij² σ²(v̇_j)`, averaged over frames spread evenly through the clip. Noise of
-//! position and velocity is left out (smaller by the time scale of the motion over that of the noise),
-//! and the degrees of freedom are taken as independent.
+//! In: what the smoother found and left. Out: standard deviations.
+//!
+//! *Torques.* The noise left in each degree of freedom's acceleration goes through the mass matrix:
+//! `σ²(τ_i) = Σ_j M_ij² σ²(v̇_j)`, averaged over frames spread evenly through the clip. Noise of position
+//! and velocity is left out (smaller by the time scale of the motion over that of the noise). The degrees
+//! of freedom are taken as independent; where a solver has made them compensate each other, and for soft
+//! tissue, which no spectrum shows, the true floor differs.
+//!
+//! *Force.* The noise left in the acceleration of the centre of mass, times the mass: measured on the path
+//! of the centre of mass itself, so that what cancels between joints does cancel, and with soft tissue.
 
+use motion::smooth::SmoothReport;
 use motion::{Clip, Joint};
 use nalgebra::DMatrix;
 
@@ -18,15 +25,17 @@ const SAMPLES: usize = 32;
 pub struct NoiseFloor {
     /// Of each entry of `tau` (`nv`, N or N·m).
     pub tau: Vec<f64>,
-    /// Of the required force, world axes, N; zero for a root that is not free.
-    pub force: [f64; 3],
-    /// Of the required moment about the root's origin, N·m; zero for a root that is not free.
+    /// Of each axis of the required force, N.
+    pub force: f64,
+    /// Of the required moment about the root's origin, along the root's zero frame, N·m; zero for a root
+    /// that is not free.
     pub moment: [f64; 3],
 }
 
 impl NoiseFloor {
-    /// Of a clip whose accelerations carry noise of the standard deviations `vd_noise` (`nv`).
-    pub fn of(model: &Model, state: &mut State, clip: &Clip, vd_noise: &[f64]) -> Self {
+    /// Of a smoothed clip; the report's strength must be that of the centre of mass.
+    pub fn of(model: &Model, state: &mut State, clip: &Clip, report: &SmoothReport) -> Self {
+        let vd_noise = &report.acceleration_noise;
         let nv = model.nv();
         let mut m = DMatrix::zeros(nv, nv);
         let mut variance = vec![0.0; nv];
@@ -44,9 +53,9 @@ impl NoiseFloor {
             }
         }
         let tau: Vec<f64> = variance.iter().map(|x| (x / count.max(1) as f64).sqrt()).collect();
-        let mut out = Self { tau, ..Self::default() };
+        let force = model.mass * report.strength.acceleration_noise(clip.rate_hz);
+        let mut out = Self { tau, force, moment: [0.0; 3] };
         if model.bodies[0].joint == Joint::Free {
-            out.force.copy_from_slice(&out.tau[..3]);
             out.moment.copy_from_slice(&out.tau[3..6]);
         }
         out
