@@ -77,11 +77,13 @@ fn verdict(r: &AnalysisReport) -> String {
     let residual = &r.residual;
     if residual.force_grade != "good" {
         let (peak, at) = (residual.force_peak_n, residual.force_peak_at_s);
-        faults.push(format!("unexplained force up to {peak:.0} N at {at:.2} s"));
+        let noise = noise(peak, r.smoothing.force_noise_n);
+        faults.push(format!("unexplained force up to {peak:.0} N at {at:.2} s{noise}"));
     }
     if residual.moment_grade != "good" {
         let (peak, at) = (residual.moment_peak_nm, residual.moment_peak_at_s);
-        faults.push(format!("unexplained moment up to {peak:.0} N·m at {at:.2} s"));
+        let noise = noise(peak, r.smoothing.moment_noise_nm);
+        faults.push(format!("unexplained moment up to {peak:.0} N·m at {at:.2} s{noise}"));
     }
     if r.friction.frames > 0 {
         faults.push(format!("feet would slide in {:.0} % of the frames", at_least_one(r.friction.share)));
@@ -100,6 +102,11 @@ fn verdict(r: &AnalysisReport) -> String {
     }
 }
 
+/// Says so where a peak may be noise only: within three standard deviations.
+fn noise(peak: f64, deviation: f64) -> &'static str {
+    if peak <= 3.0 * deviation { " (no larger than noise may be)" } else { "" }
+}
+
 /// A share as percent that does not round to nothing.
 fn at_least_one(share: f64) -> f64 {
     (100.0 * share).max(1.0)
@@ -107,18 +114,17 @@ fn at_least_one(share: f64) -> f64 {
 
 fn smoothing(out: &mut String, r: &AnalysisReport) -> std::fmt::Result {
     let s = &r.smoothing;
-    let text = match (s.cutoff_hz_min, s.cutoff_hz_median, s.cutoff_hz_max) {
-        (Some(lo), Some(_), Some(hi)) if hi - lo < 0.05 => format!("at {lo:.1} Hz"),
-        (Some(lo), Some(mid), Some(hi)) => format!("at {lo:.1} to {hi:.1} Hz (median joint {mid:.1} Hz)"),
-        _ => "none".into(),
-    };
+    let text = s.cutoff_hz.map_or_else(|| "none".to_owned(), |hz| format!("at {hz:.1} Hz"));
     let moved = match s.smoothed {
         true => format!("; moved joints {:.2}° RMS, links {:.1} mm", s.joint_rms_deg, s.position_rms_mm),
         false => String::new(),
     };
     line(out, "smoothing", format!("{text}{moved}"))?;
+    if !s.smoothed {
+        return line(out, "noise", "not estimated: nothing was smoothed");
+    }
     let text = format!(
-        "torques {:.2} N·m (median joint), {:.2} N·m at most ({}); force {:.1} N, moment {:.1} N·m",
+        "torques {:.2} N·m (median joint), {:.2} N·m at most ({}); force {:.1} N, moment {:.1} N·m per axis",
         s.torque_noise_nm_median,
         s.torque_noise_nm_max,
         s.torque_noise_joint,

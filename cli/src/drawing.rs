@@ -281,11 +281,8 @@ impl<'a> Drawing<'a> {
 }
 
 fn smoothing(a: &Analysis) -> String {
-    let finite = a.smoothing.cutoff_hz.iter().copied().filter(|c| c.is_finite());
-    let (lo, hi) = finite.fold((f64::INFINITY, 0.0), |(lo, hi): (f64, f64), c| (lo.min(c), hi.max(c)));
-    match lo <= hi {
-        false => ", not smoothed".into(),
-        true if hi - lo < 0.05 => format!(", smoothed at {lo:.1} Hz"),
-        true => format!(", smoothed at {lo:.1} to {hi:.1} Hz"),
+    match a.smoothing.cutoff_hz {
+        hz if hz.is_finite() => format!(", smoothed at {hz:.1} Hz"),
+        _ => ", not smoothed".into(),
     }
 }

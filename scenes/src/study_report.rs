@@ -64,12 +64,8 @@ pub struct AnalysisReport {
 pub struct SmoothingReport {
     /// Whether anything was smoothed.
     pub smoothed: bool,
-    /// Lowest cut-off over the degrees of freedom, Hz; null where nothing was smoothed.
-    pub cutoff_hz_min: Option<f64>,
-    /// Median cut-off, Hz.
-    pub cutoff_hz_median: Option<f64>,
-    /// Highest cut-off, Hz.
-    pub cutoff_hz_max: Option<f64>,
+    /// Frequency at which half of the amplitude passes, Hz; null where nothing was smoothed.
+    pub cutoff_hz: Option<f64>,
     /// RMS angle by which joints were moved, degrees.
     pub joint_rms_deg: f64,
     /// RMS distance by which links were moved, mm.
@@ -80,9 +76,9 @@ pub struct SmoothingReport {
     pub torque_noise_nm_max: f64,
     /// The noisiest joint.
     pub torque_noise_joint: String,
-    /// Standard deviation of the required force, length over the axes, N.
+    /// Standard deviation of each axis of the required force, N.
     pub force_noise_n: f64,
-    /// Standard deviation of the required moment, N·m.
+    /// Standard deviation of the required moment about the root's origin, noisiest axis, N·m.
     pub moment_noise_nm: f64,
 }
 
@@ -309,25 +305,22 @@ pub fn spans(frames: &[usize], rate_hz: f64) -> Vec<Span> {
 }
 
 fn smoothing(study: &Study, a: &Analysis) -> SmoothingReport {
-    let mut cutoff: Vec<f64> = a.smoothing.cutoff_hz.iter().copied().filter(|c| c.is_finite()).collect();
-    cutoff.sort_by(f64::total_cmp);
+    let cutoff_hz = Some(a.smoothing.cutoff_hz).filter(|hz| hz.is_finite());
     let mut noise: Vec<(f64, &str)> = (moving(a).into_iter())
         .map(|link| (size_of(&a.noise.tau, a, link), a.clip.skeleton.links()[link].name.as_str()))
         .collect();
     noise.sort_by(|x, y| x.0.total_cmp(&y.0));
     let largest = noise.last().copied().unwrap_or_default();
     SmoothingReport {
-        smoothed: !cutoff.is_empty(),
-        cutoff_hz_min: cutoff.first().copied(),
-        cutoff_hz_median: cutoff.get(cutoff.len() / 2).copied(),
-        cutoff_hz_max: cutoff.last().copied(),
+        smoothed: cutoff_hz.is_some(),
+        cutoff_hz,
         joint_rms_deg: metrics::joint_rms_deg(&metrics::joint_errors(&study.given, &a.clip)),
         position_rms_mm: metrics::position_rms_mm(&study.given, &a.clip),
         torque_noise_nm_median: noise.get(noise.len() / 2).map_or(0.0, |n| n.0),
         torque_noise_nm_max: largest.0,
         torque_noise_joint: largest.1.to_owned(),
-        force_noise_n: Vec3::from(a.noise.force).norm(),
-        moment_noise_nm: Vec3::from(a.noise.moment).norm(),
+        force_noise_n: a.noise.force,
+        moment_noise_nm: a.noise.moment.into_iter().fold(0.0, f64::max),
     }
 }
 

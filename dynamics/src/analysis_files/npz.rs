@@ -1,11 +1,11 @@
 //! An analysis as numpy arrays: SI units and radians, names and units inside.
 //!
-//! Layout (`n` frames, `f` feet): `rate_hz`, `mass`, `friction`, `ground_m` (NaN without ground) scalars;
-//! `gravity` 3; `q` n × nq; `v`, `vd`, `tau` n × nv; `required_force`, `required_moment_com`,
+//! Layout (`n` frames, `f` feet): `rate_hz`, `mass`, `friction`, `ground_m` (NaN without ground), `cutoff_hz`
+//! (infinite without smoothing) scalars; `gravity` 3; `q` n × nq; `v`, `vd`, `tau` n × nv; `required_force`, `required_moment_com`,
 //! `ground_force`, `ground_moment_com`, `com`, `com_velocity`, `angular_momentum`, `cop` n × 3;
 //! `residual`, `root_wrench` n × 6; `flight` n; `foot_name` f; `foot_contact`, `foot_height`,
-//! `foot_share`, `foot_free_moment` f × n; `foot_force`, `foot_cop` f × 3n; `tau_noise`, `cutoff_hz`,
-//! `dof_name` nv; `friction_violations`, `support_violations`: indices of frames; `units` u × 2.
+//! `foot_share`, `foot_free_moment` f × n; `foot_force`, `foot_cop` f × 3n; `tau_noise`, `dof_name`
+//! nv; `friction_violations`, `support_violations`: indices of frames; `units` u × 2.
 
 use std::io::{self, Seek, Write};
 
@@ -86,7 +86,7 @@ pub fn write_npz<W: Write + Seek>(a: &Analysis, out: W) -> io::Result<()> {
     npz.table("foot_force", 3 * frames, &all(|f| &f.force))?;
     npz.table("foot_cop", 3 * frames, &all(|f| &f.cop))?;
     npz.numbers("tau_noise", &[nv as u64], &a.noise.tau)?;
-    npz.numbers("cutoff_hz", &[nv as u64], &a.smoothing.cutoff_hz)?;
+    npz.numbers("cutoff_hz", &[], &[a.smoothing.cutoff_hz])?;
     let names = a.dof_names();
     npz.text("dof_name", &[nv as u64], &names.iter().map(String::as_str).collect::<Vec<_>>())?;
     npz.indices("friction_violations", a.friction_violations.frames.iter().copied())?;
