@@ -46,14 +46,14 @@ fn standing_is_body_weight() {
     let (given, by) = GroundForces::given(&character, &a, 0.0015).unwrap().unwrap();
     for (name, told) in [("required", &required), ("given", &given)] {
         for (row, total) in told.total.iter().enumerate() {
-            let error = total.y - a.weight(); // N; 3e-7 seen of the penalty model, 1e-12 required
-            assert!(error.abs() < 1e-5 && total.x.hypot(total.z) < 1e-6, "{name} {row}: {total:?}");
+            let error = total.y - a.weight(); // N; 4.5e-13 seen of the penalty model, 3.4e-13 required
+            assert!(error.abs() < 1e-8 && total.x.hypot(total.z) < 1e-6, "{name} {row}: {total:?}");
             let feet: Vec3 = told.feet.iter().map(|f| f.force[row]).sum();
             assert!((feet - total).norm() < 1e-6, "{name} {row}: {feet:?} of {total:?}");
         }
     }
     // soles that lie flat rest exactly δ deep
-    assert!((by.lowered_m - 0.0015).abs() < 1e-6, "{} m", by.lowered_m);
+    assert!((by.lowered_m - 0.0015).abs() < 1e-12, "{} m", by.lowered_m);
 }
 
 /// Bobbing with ±1 mm, penalty contact agrees with its own spring: m g ± n k_P z, less f_0's share.
@@ -69,9 +69,9 @@ fn penalty_follows_the_height() {
     assert!((mean - a.required_force.chunks(3).map(|f| f[1]).sum::<f64>() / a.frames() as f64).abs() < 1e-6);
     let peak = given.total.iter().map(|f| f.y).fold(0.0, f64::max);
     let low = given.total.iter().map(|f| f.y).fold(f64::INFINITY, f64::min);
-    // the damper adds up to 2 %
-    assert!((peak / (n * most) - 1.0).abs() < 0.03, "{peak} of {}", n * most);
-    assert!((low / (n * least) - 1.0).abs() < 0.06, "{low} of {}", n * least);
+    // 0.07 and −0.12 % seen: the damper, and turning points between frames
+    assert!((peak / (n * most) - 1.0).abs() < 0.01, "{peak} of {}", n * most);
+    assert!((low / (n * least) - 1.0).abs() < 0.01, "{low} of {}", n * least);
 }
 
 /// In flight nothing is required but gravity's absence, and nothing is given.
@@ -81,7 +81,7 @@ fn nothing_is_given_in_the_air() {
     let a = analysis(&character, &clip);
     let required = GroundForces::required(&a);
     let worst = required.total.iter().map(|f| f.norm()).fold(0.0, f64::max);
-    assert!(worst < 1e-6, "{worst} N"); // 2e-9 seen
+    assert!(worst < 1e-6, "{worst} N"); // 3.1e-9 seen
     assert!(required.feet.iter().all(|f| f.force.iter().all(|x| x.norm() < 1e-6)));
 }
 
@@ -123,7 +123,7 @@ fn an_analysis_as_a_trace_balances() {
         let rate = (p(row - 2) - p(row - 1) * 8.0 + p(row + 1) * 8.0 - p(row + 2)) * (t.rate_hz / 12.0);
         let residual = Vec3::from_column_slice(&t.root_wrench[6 * row..6 * row + 3]);
         let left = rate - t.gravity * mass - sums[row] - residual;
-        assert!(left.norm() < 1e-3 * mass * 9.81, "{row}: {left:?}"); // 0.02 N of 735 seen
+        assert!(left.norm() < 1e-3 * mass * 9.81, "{row}: {left:?}"); // 0.63 N of 736 seen, the error of the difference
         state.update(&model, t.pose(row), &t.v[row * model.nv()..(row + 1) * model.nv()]);
         let (kinetic, potential) = state.energy(&model);
         assert_eq!(t.energy[2 * row..2 * row + 2], [kinetic, potential]);

@@ -141,6 +141,10 @@ pub fn open(path: &Path, body: Option<&Path>, import: &ImportOptions) -> Result<
     }
 }
 
+/// Bodies of the same links whose masses differ by less than this share count as one: a mass changed on
+/// purpose, to see what it does, is still to be compared.
+const ALIKE: f64 = 0.05;
+
 /// Reads a trace, saying which file it is.
 fn read_trace(path: &Path) -> Result<Trace, StudyError> {
     Trace::open_npz(path).map_err(|source| StudyError::Trace { path: path.display().to_string(), source })
@@ -238,13 +242,16 @@ impl Study {
     /// Ground forces of another run of the same body, such as MuJoCo's.
     ///
     /// # Errors
-    /// A file that is no trace, or of a body with other links.
+    /// A file that is no trace, or of a body with other links or another mass.
     pub fn other_run(&self, path: &Path) -> Result<GroundForces, StudyError> {
         let other = read_trace(path)?;
         let names =
             |c: &Character| -> Vec<String> { c.skeleton.links().iter().map(|l| l.name.clone()).collect() };
-        if names(&other.character) != names(&self.character) {
-            let said = |c: &Character| format!("`{}` with {} links", c.name, c.skeleton.links().len());
+        let alike = (other.character.mass() / self.character.mass() - 1.0).abs() < ALIKE;
+        if names(&other.character) != names(&self.character) || !alike {
+            let said = |c: &Character| {
+                format!("`{}` with {} links and {:.2} kg", c.name, c.skeleton.links().len(), c.mass())
+            };
             return Err(StudyError::OtherBody {
                 other: path.display().to_string(),
                 found: said(&other.character),
