@@ -37,8 +37,8 @@ pub fn run(args: &AnalyzeArgs) -> Result<(), Failure> {
     let output = Output::replacing(&dir, ours())?;
     let mut files = BTreeMap::new();
     for format in &args.format {
-        for (key, name, bytes) in made(*format, &analysis)? {
-            files.insert(key.to_owned(), name.to_owned());
+        for (name, bytes) in made(*format, &analysis)? {
+            files.insert(name.replace('.', "_"), name.to_owned());
             format::write(&output.dir().join(name), &bytes).map_err(Failure::run)?;
         }
     }
@@ -67,19 +67,19 @@ pub fn run(args: &AnalyzeArgs) -> Result<(), Failure> {
     output::print(&if args.json { json } else { analysis_text::of(&study, &report, &dir) })
 }
 
-/// Files of a format: what they hold, name, bytes.
-fn made(format: Format, a: &Analysis) -> Result<Vec<(&'static str, &'static str, Vec<u8>)>, Failure> {
+/// Files of a format: names and bytes.
+fn made(format: Format, a: &Analysis) -> Result<Vec<(&'static str, Vec<u8>)>, Failure> {
     Ok(match format {
-        Format::Csv => vec![("analysis_csv", "analysis.csv", analysis_files::csv(a).into_bytes())],
+        Format::Csv => vec![("analysis.csv", analysis_files::csv(a).into_bytes())],
         Format::Mot => vec![
-            ("torques_mot", "torques.mot", analysis_files::torques_mot(a).into_bytes()),
-            ("ground_forces_mot", "ground_forces.mot", analysis_files::ground_forces_mot(a).into_bytes()),
+            ("torques.mot", analysis_files::torques_mot(a).into_bytes()),
+            ("ground_forces.mot", analysis_files::ground_forces_mot(a).into_bytes()),
         ],
         Format::Npz => {
             let mut out = Cursor::new(Vec::new());
             analysis_files::write_npz(a, &mut out)
                 .map_err(|e| Failure::Run(format!("cannot write analysis.npz: {e}")))?;
-            vec![("analysis_npz", "analysis.npz", out.into_inner())]
+            vec![("analysis.npz", out.into_inner())]
         }
     })
 }
