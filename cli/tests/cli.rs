@@ -1,5 +1,7 @@
 //! The command from outside: exit codes, messages, files.
 
+#[path = "cli/analyze.rs"]
+mod analyze;
 #[path = "cli/bad_input.rs"]
 mod bad_input;
 #[path = "cli/convert.rs"]
@@ -8,6 +10,8 @@ mod convert;
 mod inspect;
 #[path = "cli/place.rs"]
 mod place;
+#[path = "cli/plot.rs"]
+mod plot;
 #[path = "cli/render.rs"]
 mod render;
 #[path = "cli/report.rs"]

@@ -5,6 +5,8 @@
 //!
 //! | module | holds |
 //! |---|---|
+//! | [`analysis`] | what forces a clip needs, and whether the ground can give them |
+//! | [`analysis_files`] | an analysis as CSV, MOT, npz, and as a trace |
 //! | [`anthropometry`] | a body for any human-like skeleton |
 //! | [`character`] | mass, inertia, shapes and contact points on a skeleton |
 //! | [`mjcf`] | a character as MJCF |
@@ -14,20 +16,26 @@
 //! | [`derivatives`] | slopes of inverse dynamics by pose, velocity and acceleration |
 //! | [`forward`] | accelerations from forces |
 //! | [`inertia`] | composites, momentum and its rate, energy, gravity stiffness |
+//! | [`rnea`] | inverse dynamics with outside wrenches |
+//! | [`ground_forces`] | ground forces required, given and measured, per foot |
+//! | [`inertia`] | mass matrix, momentum, energy, gravity stiffness |
 //! | [`penalty`] | the force of the ground on a point, from its height and slip |
 //! | [`rnea`] | inverse dynamics with outside wrenches |
 //! | [`import`] | characters from MJCF and URDF |
 //! | [`inertia`] | mass matrix, momentum, energy, gravity stiffness |
 //! | [`pose_map`] | poses between a clip's skeleton and a character's |
 //! | [`trace`] | what a dynamic run recorded |
-//! | [`trace_npz`] | a trace as numpy arrays |
+//! | [`trace_npz`] | a trace as numpy arrays, written and read |
 
+pub mod analysis;
+pub mod analysis_files;
 pub mod anthropometry;
 pub mod character;
 pub mod crba;
 pub mod derivatives;
 pub mod forward;
 pub mod import;
+pub mod ground_forces;
 pub mod inertia;
 pub mod mjcf;
 pub mod model;
@@ -37,13 +45,17 @@ pub mod rnea;
 pub mod trace;
 pub mod trace_npz;
 
+pub use analysis::{Analysis, AnalysisError, AnalysisOptions, Grade, Ground, analyze};
 pub use anthropometry::{BodyOptions, BodyReport, GuessError, guess_body, guess_body_of_clip};
 pub use character::{Body, Character, CharacterError, JointClass};
 pub use derivatives::InverseDerivatives;
 pub use forward::{ForwardDynamics, NoInertia};
 pub use inertia::{Momentum, MomentumRate};
+pub use ground_forces::{FootForce, GivenBy, GroundForces};
+pub use inertia::Momentum;
 pub use model::{Model, MovingBody, State};
 pub use penalty::Penalty;
 pub use pose_map::{PoseMap, PoseMapError};
 pub use rnea::{Wrench, total_wrench};
 pub use trace::{ContactSample, RootMode, Trace};
+pub use trace_npz::TraceFileError;

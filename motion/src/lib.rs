@@ -9,6 +9,7 @@
 //! | [`skeleton`] | links, joints, limits, sites, limbs |
 //! | [`clip`] | uniformly sampled poses |
 //! | [`derivatives`] | velocities and accelerations |
+//! | [`mod@smooth`] | a smoother that minimises acceleration noise |
 //! | [`curve`] | named transition curves |
 //! | [`dof`] | degrees of freedom as scripts name them, and their values |
 //! | [`track`] | transition-element tracks: the editable form of a motion |
@@ -39,6 +40,7 @@ pub mod rotation;
 pub mod script;
 pub mod shape;
 pub mod skeleton;
+pub mod smooth;
 pub mod support;
 pub mod track;
 
@@ -52,6 +54,7 @@ pub use rotation::{EulerOrder, Quat, Vec3};
 pub use script::{Script, ScriptError};
 pub use shape::Shape;
 pub use skeleton::{BallLimits, Joint, Limb, LimbKind, Limits, Link, Range, Site, Skeleton, SkeletonError};
+pub use smooth::{SmoothReport, Smoothed, Smoothing, Strength, smooth};
 pub use support::Support;
 pub use track::{Element, Label, Track, Tracks};
 

@@ -5,8 +5,12 @@ mod sample;
 
 use std::path::{Path, PathBuf};
 
-use dynamics::{RootMode, Trace};
-use plots::{Figure, StripOptions, StripRow, film_strip_with};
+use dynamics::{AnalysisOptions, Ground, GroundForces, RootMode, Trace, analyze};
+use motion::smooth::Smoothing;
+use plots::{
+    Excerpt, Figure, StripOptions, StripRow, Witness, WitnessKind, contact_overlay, film_strip_with,
+    graded_residual,
+};
 
 fn directory(name: &str) -> PathBuf {
     let path = Path::new(env!("CARGO_TARGET_TMPDIR")).join("plots").join(name);
@@ -22,7 +26,35 @@ fn of_trace(trace: &Trace) -> Vec<(&'static str, Figure)> {
         ("contact_forces", plots::contact_forces(trace, note)),
         ("center_of_mass", plots::center_of_mass(trace, note)),
         ("momentum_residual", plots::momentum_residual(trace, note)),
+        ("momenta", plots::momenta(trace, note)),
+        ("joint_torques", plots::joint_torques(trace, &[], note)),
+        ("energies", plots::energies(trace, note)),
+        ("residual", {
+            let clock = Excerpt::whole(trace).clock();
+            graded_residual(&trace.residual(), clock, 735.0, "what the pin did", note)
+        }),
+        ("contact", contact_overlay(&witnesses(trace), 735.0, note)),
     ]
+}
+
+/// What the trace measured, its motion requires and penalty contact gives; the latter two where they can
+/// be told.
+fn witnesses(trace: &Trace) -> Vec<Witness> {
+    let witness = |kind, forces| Witness { kind, label: format!("{kind:?}"), forces };
+    let mut out = vec![witness(WitnessKind::Measured, GroundForces::measured(trace))];
+    let ground = trace.ground_m.map_or(Ground::None, Ground::At);
+    let options = AnalysisOptions { smoothing: Smoothing::Off, ground, ..AnalysisOptions::default() };
+    if let Ok(a) = analyze(&trace.character, &trace.clip(), &options) {
+        out.push(witness(WitnessKind::Required, GroundForces::required(&a)));
+        if let Some((given, _)) = GroundForces::given(&trace.character, &a, 0.0015).unwrap() {
+            out.push(witness(WitnessKind::Given, given));
+        }
+    }
+    // another engine, another rate
+    let mut other = GroundForces::measured(trace);
+    other.rate_hz *= 0.5;
+    out.push(witness(WitnessKind::Mujoco, other));
+    out
 }
 
 fn strip(count: usize) -> Figure {
@@ -94,6 +126,11 @@ fn svg_is_well_formed_and_has_units() {
             "contact_forces" => &["body weight", "time (s)"],
             "center_of_mass" => &["cm", "mm", "time (s)"],
             "momentum_residual" => &["% of body weight", "time (s)"],
+            "momenta" => &["N·s", "N·m·s", "time (s)"],
+            "joint_torques" => &["N·m/kg", "N·m", "time (s)"],
+            "energies" => &["J", "W", "time (s)"],
+            "residual" => &["Residual:", "good: up to 10 N, 50 N·m", "time (s)"],
+            "contact" => &["total · vertical", "RMS", "body weight", "leg_l", "time (s)"],
             "strip" => &["unedited", "edited", "0.00 s"],
             _ => &["walk"],
         };
@@ -139,4 +176,68 @@ fn strips_hold_eleven_figures() {
     assert!(figure.width <= 1600.0 && figure.height > 300.0);
     let svg = figure.svg().unwrap();
     assert_eq!(svg.matches(" s\n").count().max(svg.matches(" s<").count()), 22, "eleven times in two rows");
+}
+
+/// A span keeps its clock: the axis of time starts where the span does, and shows nothing outside it.
+#[test]
+fn spans_keep_their_clock() {
+    let character = sample::human();
+    let trace = sample::trace(&character, &sample::bow(&character, 0.0));
+    let span = Excerpt::between(&trace, 2.0, 3.0);
+    assert_eq!((span.rows(), span.clock().at(0), span.clock().at(120)), (121, 2.0, 3.0));
+    assert!(span.contacts.iter().all(|c| c.row < 121) && span.contacts.len() == 8 * 121);
+    let ticks = |figure: &Figure| -> Vec<String> {
+        figure
+            .marks
+            .iter()
+            .filter_map(|m| match m {
+                plots::figure::Mark::Text { text, .. } => Some(text.clone()),
+                _ => None,
+            })
+            .filter(|t| t.parse::<f64>().is_ok())
+            .collect()
+    };
+    let seen = ticks(&plots::momenta(&span, ""));
+    assert!(seen.iter().any(|t| t == "2.5") && !seen.iter().any(|t| t == "0.5"), "{seen:?}");
+    // whole, empty and reversed spans are still figures
+    for (from, to) in [(-1.0, 99.0), (2.0, 2.0), (3.0, 1.0), (99.0, 100.0)] {
+        assert!(Excerpt::between(&trace, from, to).rows() > 0, "{from} {to}");
+    }
+}
+
+/// The verdict is the guideline's: 10 and 25 N, 50 and 75 N·m.
+#[test]
+fn residuals_are_graded() {
+    let clock = plots::panel::Clock { rate_hz: 100.0, start_s: 0.0 };
+    for (force, moment, verdict) in [
+        (3.0, 20.0, "Residual: good"),
+        (12.0, 20.0, "Residual: acceptable"),
+        (3.0, 80.0, "Residual: poor"),
+        (26.0, 0.0, "Residual: poor"),
+    ] {
+        let mut wrench = vec![0.0; 600];
+        wrench[301] = force;
+        wrench[305] = -moment;
+        let svg = graded_residual(&wrench, clock, 735.0, "", "").svg().unwrap();
+        assert!(svg.contains(verdict), "{force} N, {moment} N·m: {verdict}");
+    }
+    let svg = graded_residual(&[f64::NAN; 6], clock, 735.0, "", "").svg().unwrap();
+    assert!(svg.contains("no row with finite numbers"));
+}
+
+/// A foot captured too low weighs tons in penalty contact: its curve is cut, the others stay readable.
+#[test]
+fn penalty_off_the_scale_is_cut_and_said() {
+    let character = sample::human();
+    let trace = sample::trace(&character, &sample::bow(&character, 0.0));
+    let mut told = witnesses(&trace);
+    let given = told.iter_mut().find(|w| w.kind == WitnessKind::Given).unwrap();
+    given.forces.total.iter_mut().for_each(|f| *f *= 50.0);
+    let figure = contact_overlay(&told, 735.0, "");
+    assert!(figure.svg().unwrap().contains("penalty off scale"));
+    for mark in &figure.marks {
+        let [left, top, right, bottom] = Figure::bounds(mark);
+        assert!(left >= -1.0 && top >= -1.0 && right <= figure.width + 1.0 && bottom <= figure.height + 1.0);
+    }
+    assert!(!contact_overlay(&witnesses(&trace), 735.0, "").svg().unwrap().contains("off scale"));
 }

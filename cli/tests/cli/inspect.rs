@@ -85,7 +85,7 @@ fn a_reader_that_leaves() {
 #[test]
 fn help() {
     let place = Place::new();
-    for command in ["render", "inspect", "convert"] {
+    for command in ["render", "inspect", "plot", "analyze", "convert"] {
         let done = place.run(&[command, "--help"]);
         assert_eq!(done.code, 0);
         assert!(done.stdout.contains("Examples:") && done.stdout.contains("contrapposto"), "{}", done.stdout);

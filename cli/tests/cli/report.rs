@@ -5,7 +5,7 @@ use std::collections::BTreeSet;
 use crate::place::{Place, root};
 
 /// Paths of all fields of a value: `dynamic.root.mode`, `dynamic.sagging[].joint`.
-fn paths(value: &serde_json::Value, at: &str, found: &mut BTreeSet<String>) {
+pub fn paths(value: &serde_json::Value, at: &str, found: &mut BTreeSet<String>) {
     match value {
         serde_json::Value::Object(fields) if at != "files" => {
             for (name, value) in fields {

@@ -1,0 +1,410 @@
+//! What a plane ground can give of a required wrench, and how the soles share it.
+//!
+//! In: corners of the soles, their heights and speeds, a required wrench. Out: an admissible wrench per
+//! foot. No memory: every frame by itself. The ground is the plane y = `h`, at rest.
+//!
+//! *Contact.* A corner at height z above the ground and with speed u touches by
+//! `α = s(z/height) · s(u/speed)`, where s falls from 1 at ½ to 0 at 1 (cubic); of these the foot's
+//! contact is made. Soft, so that forces come and go without jumps.
+//!
+//! *Force.* Only pressing, the tangential part at most μ f_n.
+//!
+//! *Centre of pressure.* Where the horizontal moment of the required wrench vanishes on the ground, or the
+//! nearest point of the hull of the touching corners.
+//!
+//! *Shares.* Pressures w of the corners x with `Σ w = 1`, `Σ w x = c`, `w ≥ 0` that minimise `Σ w²/α`: those of
+//! rigid soles on an elastic floor of stiffness α under each corner. Between two equal feet this splits the
+//! force by distance. Every foot's own centre of pressure lies inside its sole.
+//!
+//! *Moment about the vertical.* At most `ρ √((μ f_n)² − f_t²)`, ρ = Σ w |x − c| [HC96]; shared like the force.
+//!
+//! [HC96] Howe, Cutkosky. Practical force-motion models for sliding manipulation, IJRR 1996 (elliptic limit
+//! surface).
+
+use motion::support::ground as plane;
+use motion::{Clip, LimbKind, Support, Vec3};
+use nalgebra::Matrix3;
+
+use super::AnalysisOptions;
+use crate::{Character, Model, State, Wrench};
+
+/// Distance outside the support polygon that counts as a violation, m.
+pub const COP_SLACK: f64 = 1e-3;
+/// Least vertical force that has a centre of pressure, as a share of body weight.
+const LEAST_LOAD: f64 = 0.02;
+/// Least touch α of a corner.
+const LEAST_TOUCH: f64 = 1e-3;
+
+/// Where the ground is.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub enum Ground {
+    /// There is none: the whole required wrench is residual.
+    None,
+    /// A horizontal plane at this height, m.
+    At(f64),
+    /// A horizontal plane at the median height of the lowest corner of the soles, over the frames in
+    /// which it is slower than [`Contact::speed_m_s`].
+    #[default]
+    Detect,
+}
+
+/// When a corner of a sole touches the ground. See the module header.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Contact {
+    /// Height at which contact is lost, m.
+    pub height_m: f64,
+    /// Speed at which contact is lost, m/s.
+    pub speed_m_s: f64,
+}
+
+impl Default for Contact {
+    fn default() -> Self {
+        Self { height_m: 0.05, speed_m_s: 1.2 }
+    }
+}
+
+/// Frames that break a rule.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Violations {
+    /// Frames, ascending.
+    pub frames: Vec<usize>,
+    /// Worst value; zero when there is no violation.
+    pub worst: f64,
+    /// Frame of the worst value.
+    pub worst_frame: usize,
+}
+
+impl Violations {
+    pub(super) fn note(&mut self, frame: usize, value: f64, limit: f64) {
+        if value > limit {
+            self.frames.push(frame);
+            if value > self.worst {
+                (self.worst, self.worst_frame) = (value, frame);
+            }
+        }
+    }
+}
+
+/// Contact points of one body.
+pub(super) struct Sole {
+    pub name: String,
+    pub link: usize,
+    /// Link and point in that link's frame, m.
+    corners: Vec<(usize, Vec3)>,
+}
+
+/// All soles of a character.
+pub(super) struct Soles {
+    pub feet: Vec<Sole>,
+}
+
+impl Soles {
+    /// The contact points, grouped by the body that carries them; legs give their names.
+    pub fn of(character: &Character, model: &Model) -> Self {
+        let skeleton = &character.skeleton;
+        let mut feet: Vec<Sole> = Vec::new();
+        let mut bodies: Vec<usize> = Vec::new();
+        for &c in &character.contacts {
+            let site = &skeleton.sites()[c];
+            let body = model.body_of[site.link].0;
+            let corner = (site.link, site.at);
+            if let Some(i) = bodies.iter().position(|b| *b == body) {
+                feet[i].corners.push(corner);
+                continue;
+            }
+            let leg =
+                skeleton.limbs().iter().find(|l| l.kind == LimbKind::Leg && model.body_of[l.end].0 == body);
+            let link = leg.map_or(site.link, |l| l.end);
+            let name = leg.map_or(&skeleton.links()[link].name, |l| &l.name).clone();
+            bodies.push(body);
+            feet.push(Sole { name, link, corners: vec![corner] });
+        }
+        Self { feet }
+    }
+
+    fn corners(&self) -> impl Iterator<Item = &(usize, Vec3)> {
+        self.feet.iter().flat_map(|f| &f.corners)
+    }
+}
+
+/// One foot in one frame; fields as in [`super::FootForces`].
+#[derive(Clone, Debug)]
+pub(super) struct FootNow {
+    pub link: usize,
+    pub contact: bool,
+    pub height: f64,
+    pub share: f64,
+    pub force: Vec3,
+    pub cop: Vec3,
+    pub free_moment: f64,
+}
+
+/// Memory of [`Floor::give`], and the feet it has loaded.
+pub(super) struct Scratch {
+    pub feet: Vec<FootNow>,
+    touch: Vec<f64>,
+    at: Vec<Vec3>,
+    share: Vec<f64>,
+}
+
+impl Scratch {
+    pub fn new(soles: &Soles) -> Self {
+        let corners = soles.corners().count();
+        let foot = |f: &Sole| FootNow {
+            link: f.link,
+            contact: false,
+            height: f64::NAN,
+            share: 0.0,
+            force: Vec3::zeros(),
+            cop: Vec3::repeat(f64::NAN),
+            free_moment: 0.0,
+        };
+        Self {
+            feet: soles.feet.iter().map(foot).collect(),
+            touch: vec![0.0; corners],
+            at: vec![Vec3::zeros(); corners],
+            share: vec![0.0; corners],
+        }
+    }
+
+    /// The wrenches on the loaded feet.
+    pub fn wrenches(&self) -> impl Iterator<Item = Wrench> + '_ {
+        self.feet.iter().filter(|f| f.share > 0.0).map(|f| Wrench {
+            link: f.link,
+            point: f.cop,
+            force: f.force,
+            moment: Vec3::y() * f.free_moment,
+        })
+    }
+}
+
+/// What the ground gives in one frame.
+pub(super) struct Given {
+    pub force: Vec3,
+    pub moment_com: Vec3,
+    /// Required centre of pressure, NaN without one.
+    pub cop: Vec3,
+    /// Whether nothing touches.
+    pub flight: bool,
+    /// |f_t|/(μ f_n) of the required force; infinite where it pulls, zero in flight.
+    pub cone: f64,
+    /// Distance of the required centre of pressure from the support, m.
+    pub outside: f64,
+}
+
+/// The ground of a clip.
+pub(super) struct Floor {
+    pub height: Option<f64>,
+    friction: f64,
+    contact: Contact,
+    least_load: f64,
+}
+
+impl Floor {
+    /// Finds the ground; `v` is `frames × nv`.
+    pub fn new(
+        model: &Model,
+        state: &mut State,
+        soles: &Soles,
+        clip: &Clip,
+        v: &[f64],
+        options: &AnalysisOptions,
+    ) -> Self {
+        let height = match options.ground {
+            Ground::None => None,
+            Ground::At(height) => Some(height),
+            Ground::Detect => detect(model, state, soles, clip, v, options.contact.speed_m_s),
+        };
+        let least_load = LEAST_LOAD * model.mass * options.gravity.norm();
+        Self { height, friction: options.friction, contact: options.contact, least_load }
+    }
+
+    /// What the ground gives of a required wrench, with `state` at the frame's pose and velocity; loads
+    /// the feet of the scratch.
+    #[allow(clippy::too_many_arguments)]
+    pub fn give(
+        &self,
+        model: &Model,
+        state: &State,
+        soles: &Soles,
+        s: &mut Scratch,
+        com: Vec3,
+        force: Vec3,
+        moment_com: Vec3,
+    ) -> Given {
+        let none = Vec3::zeros();
+        let nowhere = Vec3::repeat(f64::NAN);
+        let mut out =
+            Given { force: none, moment_com: none, cop: nowhere, flight: true, cone: 0.0, outside: 0.0 };
+        for foot in &mut s.feet {
+            (foot.share, foot.force, foot.cop, foot.free_moment) = (0.0, none, nowhere, 0.0);
+        }
+        let Some(height) = self.height else { return out };
+        self.touch(model, state, soles, s, height);
+        out.flight = !s.feet.iter().any(|f| f.contact);
+
+        let normal = force.y;
+        let wanted =
+            if normal > self.least_load { pressure_center(com, force, moment_com, height) } else { nowhere };
+        out.cop = wanted;
+        if out.flight {
+            return out;
+        }
+        let tangential = Vec3::new(force.x, 0.0, force.z);
+        if normal <= 0.0 {
+            out.cone = f64::INFINITY;
+            return out;
+        }
+        out.cone = tangential.norm() / (self.friction * normal);
+        let touching = s.touch.iter().zip(&s.at).filter(|(a, _)| **a > 0.0).map(|(_, p)| p);
+        let support = Support::of(touching);
+        // a force too small for a centre of pressure acts in the middle
+        let aim = if wanted.x.is_nan() { support.centroid() } else { support.nearest(&plane(&wanted)) };
+        let Some(aim) = aim else { return out };
+        if !wanted.x.is_nan() {
+            out.outside = (aim - plane(&wanted)).norm();
+        }
+        let center = pressures(&s.at, &s.touch, Vec3::new(aim.x, height, aim.y), &mut s.share);
+
+        out.force = Vec3::y() * normal + tangential / out.cone.max(1.0);
+        let spread: f64 = s.share.iter().zip(&s.at).map(|(w, p)| w * (p - center).norm()).sum();
+        let slip = (self.friction * normal).powi(2) - out.force.x.powi(2) - out.force.z.powi(2);
+        let most = spread * slip.max(0.0).sqrt();
+        let arm = center - com;
+        let about = moment_com - arm.cross(&out.force);
+        let twist = about.y.clamp(-most, most);
+        out.moment_com = arm.cross(&out.force) + Vec3::y() * twist;
+
+        let mut first = 0;
+        for (sole, foot) in soles.feet.iter().zip(&mut s.feet) {
+            let corners = first..first + sole.corners.len();
+            first = corners.end;
+            let share: f64 = s.share[corners.clone()].iter().sum();
+            if share > 0.0 {
+                let at: Vec3 = corners.map(|j| s.at[j] * s.share[j]).sum();
+                foot.share = share;
+                foot.force = out.force * share;
+                foot.cop = at / share;
+                foot.free_moment = twist * share;
+            }
+        }
+        out
+    }
+
+    /// Places of the corners on the ground and their touch α.
+    fn touch(&self, model: &Model, state: &State, soles: &Soles, s: &mut Scratch, height: f64) {
+        let mut j = 0;
+        for (sole, foot) in soles.feet.iter().zip(&mut s.feet) {
+            foot.contact = false;
+            foot.height = f64::INFINITY;
+            for (link, at) in &sole.corners {
+                let p = state.point(model, *link, at);
+                let speed = state.point_velocity(model, *link, at).norm();
+                let above = p.y - height;
+                let touch = fade(above / self.contact.height_m) * fade(speed / self.contact.speed_m_s);
+                s.touch[j] = if touch > LEAST_TOUCH { touch } else { 0.0 };
+                s.at[j] = Vec3::new(p.x, height, p.z);
+                foot.contact |= s.touch[j] > 0.0;
+                foot.height = foot.height.min(above);
+                j += 1;
+            }
+        }
+    }
+}
+
+/// 1 up to ½, 0 from 1, a cubic between.
+fn fade(x: f64) -> f64 {
+    let t = (2.0 * x - 1.0).clamp(0.0, 1.0);
+    1.0 - t * t * (3.0 - 2.0 * t)
+}
+
+/// Point of the ground at which the wrench (`force`, `moment_com` about `com`) has no horizontal moment.
+fn pressure_center(com: Vec3, force: Vec3, moment_com: Vec3, height: f64) -> Vec3 {
+    // with d = com − c: moment + d × force has no x and no z
+    let up = com.y - height;
+    let dz = (moment_com.x + up * force.z) / force.y;
+    let dx = (up * force.x - moment_com.z) / force.y;
+    Vec3::new(com.x - dx, height, com.z - dz)
+}
+
+/// Pressures of touching corners with their centre at `aim` (in the hull of them): see the module header.
+///
+/// Returns the centre reached, equal to `aim` within about 1e-6 m.
+///
+/// The dual problem is solved by Newton's method: `w = α max(0, a·λ)` with `a = (1, x, z)`; it minimises
+/// `½ Σ α max(0, a·λ)² − b·λ + ½ ε |λ|²`, whose gradient is the condition on Σ w and Σ w x.
+fn pressures(at: &[Vec3], touch: &[f64], aim: Vec3, share: &mut [f64]) -> Vec3 {
+    const SIZE: f64 = 0.1; // m: makes the three unknowns alike
+    const EPSILON: f64 = 1e-9;
+    let row = |p: &Vec3| Vec3::new(1.0, (p.x - aim.x) / SIZE, (p.z - aim.z) / SIZE);
+    let target = Vec3::x();
+    let value = |l: &Vec3| {
+        let springs = at.iter().zip(touch).map(|(p, a)| a * row(p).dot(l).max(0.0).powi(2));
+        0.5 * springs.sum::<f64>() - target.dot(l) + 0.5 * EPSILON * l.norm_squared()
+    };
+    let mut l = target / touch.iter().sum::<f64>();
+    for _ in 0..60 {
+        let mut gradient = l * EPSILON - target;
+        let mut hessian = Matrix3::identity() * EPSILON;
+        for (p, a) in at.iter().zip(touch) {
+            let r = row(p);
+            let x = r.dot(&l);
+            if x > 0.0 {
+                gradient += r * (a * x);
+                hessian += r * r.transpose() * *a;
+            }
+        }
+        if gradient.norm() < 1e-11 {
+            break;
+        }
+        let Some(inverse) = hessian.cholesky() else { break };
+        let step = inverse.solve(&gradient);
+        let (now, slope) = (value(&l), gradient.dot(&step));
+        let mut size = 1.0;
+        while value(&(l - step * size)) > now - 1e-4 * size * slope && size > 1e-6 {
+            size *= 0.5;
+        }
+        l -= step * size;
+    }
+    let mut sum = 0.0;
+    for ((w, p), a) in share.iter_mut().zip(at).zip(touch) {
+        *w = a * row(p).dot(&l).max(0.0);
+        sum += *w;
+    }
+    let mut center = Vec3::zeros();
+    for (w, p) in share.iter_mut().zip(at) {
+        *w /= sum;
+        center += p * *w;
+    }
+    center
+}
+
+/// Height of the ground under a clip; see [`Ground::Detect`]. `None` without corners.
+fn detect(
+    model: &Model,
+    state: &mut State,
+    soles: &Soles,
+    clip: &Clip,
+    v: &[f64],
+    speed: f64,
+) -> Option<f64> {
+    const FRAMES: usize = 1000;
+    let step = clip.frames().div_ceil(FRAMES).max(1);
+    let (mut slow, mut all) = (Vec::new(), f64::INFINITY);
+    for k in (0..clip.frames()).step_by(step) {
+        state.update(model, clip.pose(k), &v[k * model.nv()..(k + 1) * model.nv()]);
+        let lowest = soles
+            .corners()
+            .map(|(link, at)| (state.point(model, *link, at).y, *link, *at))
+            .min_by(|a, b| a.0.total_cmp(&b.0))?;
+        all = all.min(lowest.0);
+        if state.point_velocity(model, lowest.1, &lowest.2).norm() < speed {
+            slow.push(lowest.0);
+        }
+    }
+    if slow.is_empty() {
+        return Some(all);
+    }
+    let middle = slow.len() / 2;
+    Some(*slow.select_nth_unstable_by(middle, f64::total_cmp).1)
+}

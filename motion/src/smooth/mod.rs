@@ -1,0 +1,262 @@
+//! The smoother of a clip: least third differences, a strength read from the clip itself.
+//!
+//! In: a [`Clip`] and a [`Smoothing`]. Out: the smoothed clip, its [`Derivatives`], and a [`SmoothReport`]:
+//! the cut-off that was chosen, the noise that was found, and what is left of it in the accelerations. No
+//! mass: who needs forces chooses the strength on the path of the centre of mass (`dynamics::analysis`).
+//!
+//! *Smoother.* Penalised least squares ([`whittaker`]): `Σ |q − z|² + λ Σ |Δ³z|²`, so that accelerations are
+//! as smooth as λ asks for. One λ for the whole clip: with one linear response for all joints a planted foot
+//! stays planted, because what hip, knee and ankle cancel is scaled alike. The ends are free (no third
+//! differences beyond them): a parabola passes unchanged, nothing rings, and a response at the very end is
+//! as wide as the data allow.
+//!
+//! *Rotations.* With increments `ω_k = log(R_{k+1} R_k⁻¹)` the path in the tangent space is their running sum,
+//! Δ³ of it is Δ²ω, and the smoothed rotation is `S_k = exp(ε_k) R_k`. A second Gauss–Newton step, about
+//! S, removes what the first one's linearisation left. No reference orientation enters: the result turns with
+//! the whole motion, and a constant angular acceleration is not touched.
+//!
+//! *Derivatives.* v and v̇ are five-point differences (exact for quartics) of the smoothed path in the tangent
+//! space of each frame; near the ends three-point ones, exact for the parabolas the free ends are.
+//!
+//! *Strength.* See [`strength`].
+
+mod fft;
+pub mod strength;
+pub mod whittaker;
+
+use crate::{Clip, Derivatives, Joint, Skeleton};
+
+pub use strength::Strength;
+use whittaker::{Whittaker, lambda, response, third_differences};
+
+/// Metres that one radian of a joint counts for when lengths and angles choose one strength together.
+const LEVER: f64 = 0.25;
+/// Gauss–Newton steps for rotations.
+const STEPS: usize = 2;
+
+/// How strongly a clip is smoothed.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub enum Smoothing {
+    /// Strength chosen from the clip itself.
+    #[default]
+    Auto,
+    /// A stated strength: the frequency at which half of the amplitude passes, Hz.
+    CutoffHz(f64),
+    /// None: for motion without noise, such as simulated one.
+    Off,
+}
+
+/// What a smoother chose and what noise it found.
+#[derive(Clone, Debug, PartialEq)]
+pub struct SmoothReport {
+    /// Frequency at which half of the amplitude passes, Hz, for the whole clip; infinite where nothing was
+    /// smoothed.
+    pub cutoff_hz: f64,
+    /// How it was chosen.
+    pub strength: Strength,
+    /// Noise of the given poses, standard deviation per degree of freedom (`nv`), m or rad, from the upper
+    /// end of the band; zero where nothing was smoothed.
+    pub noise: Vec<f64>,
+    /// What is left of it in the accelerations (`nv`), m/s² or rad/s².
+    pub acceleration_noise: Vec<f64>,
+}
+
+/// A smoothed clip with its derivatives.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Smoothed {
+    /// The smoothed motion, same frames and rate.
+    pub clip: Clip,
+    /// Its velocities and accelerations.
+    pub derivatives: Derivatives,
+    /// Strength and noise.
+    pub report: SmoothReport,
+}
+
+/// Smooths a clip. See the module header.
+///
+/// [`Smoothing::Auto`] chooses on the paths of all degrees of freedom, a radian counting as 0.25 m.
+pub fn smooth(clip: &Clip, smoothing: Smoothing) -> Smoothed {
+    let strength = match smoothing {
+        Smoothing::Off => Strength::at(f64::INFINITY),
+        Smoothing::CutoffHz(hz) => Strength::at(hz),
+        Smoothing::Auto => {
+            let (mut paths, nv) = (tangent_paths(clip), clip.skeleton.nv());
+            let scale = levers(&clip.skeleton);
+            for row in paths.chunks_exact_mut(nv.max(1)) {
+                row.iter_mut().zip(&scale).for_each(|(x, s)| *x *= s);
+            }
+            Strength::of(&paths, nv, clip.rate_hz, 0.0)
+        }
+    };
+    smooth_at(clip, strength)
+}
+
+/// Smooths a clip with a given strength.
+///
+/// Nothing is smoothed at an infinite cut-off or one at or above half the rate.
+pub fn smooth_at(clip: &Clip, strength: Strength) -> Smoothed {
+    let (frames, nv) = (clip.frames(), clip.skeleton.nv());
+    let hz = strength.cutoff_hz;
+    let mut out = clip.clone();
+    let (mut noise, mut acceleration_noise) = (vec![0.0; nv], vec![0.0; nv]);
+    let smoothed = hz < 0.5 * clip.rate_hz && frames > 3;
+    if smoothed {
+        let lambda = lambda(hz, clip.rate_hz);
+        let filter = Whittaker::new(frames, lambda);
+        let mut shift = vec![0.0; frames * nv];
+        for step in 0..STEPS {
+            let mut third = increments(&out);
+            third = second_differences(&third, nv);
+            if step > 0 {
+                for k in 0..frames {
+                    let row = &mut shift[k * nv..(k + 1) * nv];
+                    clip.skeleton.difference(out.pose(k), clip.pose(k), 1.0, row);
+                }
+            }
+            filter.correct(&third, &mut shift, nv);
+            for k in 0..frames {
+                clip.skeleton.integrate(out.pose_mut(k), &shift[k * nv..(k + 1) * nv], 1.0);
+            }
+        }
+        let rate = clip.rate_hz;
+        let left = variance(&strength, rate, |hz| response(lambda, hz, rate) * curvature(hz / rate));
+        for (i, power) in noise_power(clip, &out, &strength, lambda).iter().enumerate() {
+            noise[i] = power.sqrt();
+            acceleration_noise[i] = noise[i] * left.sqrt() * rate * rate;
+        }
+    }
+    let derivatives = derivatives(&out);
+    let cutoff_hz = if smoothed { hz } else { f64::INFINITY };
+    Smoothed {
+        clip: out,
+        derivatives,
+        report: SmoothReport { cutoff_hz, strength, noise, acceleration_noise },
+    }
+}
+
+/// Paths of all degrees of freedom in their tangent spaces, `frames × nv`, from zero in the first frame:
+/// coordinates, and running sums of the logarithms of a rotation's increments.
+pub fn tangent_paths(clip: &Clip) -> Vec<f64> {
+    let nv = clip.skeleton.nv();
+    let steps = increments(clip);
+    let mut out = vec![0.0; clip.frames() * nv];
+    for i in nv..out.len() {
+        out[i] = out[i - nv] + steps[i - nv];
+    }
+    out
+}
+
+/// Differences of neighbouring poses, `(frames − 1) × nv`.
+fn increments(clip: &Clip) -> Vec<f64> {
+    let nv = clip.skeleton.nv();
+    let mut out = vec![0.0; clip.frames().saturating_sub(1) * nv];
+    for (k, row) in out.chunks_exact_mut(nv.max(1)).enumerate() {
+        clip.skeleton.difference(clip.pose(k), clip.pose(k + 1), 1.0, row);
+    }
+    out
+}
+
+fn second_differences(x: &[f64], columns: usize) -> Vec<f64> {
+    let n = x.len().saturating_sub(2 * columns);
+    (0..n).map(|i| (x[i + 2 * columns] - x[i + columns]) - (x[i + columns] - x[i])).collect()
+}
+
+/// Metres per unit of each degree of freedom.
+fn levers(skeleton: &Skeleton) -> Vec<f64> {
+    let of = |joint: &Joint| match joint {
+        Joint::Free => vec![1.0, 1.0, 1.0, LEVER, LEVER, LEVER],
+        Joint::Spherical => vec![LEVER; 3],
+        Joint::Revolute(_) => vec![LEVER],
+        Joint::Prismatic(_) => vec![1.0],
+        Joint::Fixed => Vec::new(),
+    };
+    skeleton.links().iter().flat_map(|l| of(&l.joint)).collect()
+}
+
+/// Variance of the noise per degree of freedom, from what was taken away.
+///
+/// Third differences first: they weigh the upper end of the band, where what was taken away is noise only;
+/// `shape` carries it down to the rest of the band.
+fn noise_power(before: &Clip, after: &Clip, strength: &Strength, lambda: f64) -> Vec<f64> {
+    let (frames, nv, rate) = (before.frames(), before.skeleton.nv(), before.rate_hz);
+    let mut taken = vec![0.0; frames * nv];
+    for (k, row) in taken.chunks_exact_mut(nv.max(1)).enumerate() {
+        before.skeleton.difference(after.pose(k), before.pose(k), 1.0, row);
+    }
+    let third = third_differences(&taken, nv);
+    let gain = variance(strength, rate, |hz| {
+        (1.0 - response(lambda, hz, rate)) * (2.0 * (std::f64::consts::PI * hz / rate).sin()).powi(3)
+    });
+    let mut sum = vec![0.0; nv];
+    for row in third.chunks_exact(nv.max(1)) {
+        sum.iter_mut().zip(row).for_each(|(s, x)| *s += x * x);
+    }
+    let scale = 1.0 / ((frames - 3) as f64 * gain);
+    sum.iter().map(|s| s * scale).collect()
+}
+
+/// Variance that a filter with the given response leaves of noise of unit variance.
+fn variance(strength: &Strength, rate_hz: f64, response: impl Fn(f64) -> f64) -> f64 {
+    const BINS: usize = 512;
+    let (mut all, mut left) = (0.0, 0.0);
+    for i in 0..BINS {
+        let hz = (i as f64 + 0.5) / BINS as f64 * 0.5 * rate_hz;
+        let power = strength.shape(hz, rate_hz);
+        all += power;
+        left += power * response(hz).powi(2);
+    }
+    left / all
+}
+
+/// Response of the five-point second difference at `x` cycles per frame.
+fn curvature(x: f64) -> f64 {
+    let w = std::f64::consts::TAU * x;
+    (-2.0 * (2.0 * w).cos() + 32.0 * w.cos() - 30.0) / 12.0
+}
+
+/// Five-point differences of a clip; see the module header.
+fn derivatives(clip: &Clip) -> Derivatives {
+    let (frames, nv, rate) = (clip.frames(), clip.skeleton.nv(), clip.rate_hz);
+    let mut out = Derivatives { v: vec![0.0; frames * nv], vd: vec![0.0; frames * nv] };
+    let mut delta = vec![0.0; nv];
+    for k in 0..frames {
+        let (v, vd) = (&mut out.v[k * nv..(k + 1) * nv], &mut out.vd[k * nv..(k + 1) * nv]);
+        for &(offset, slope, bend) in stencil(k, frames) {
+            let at = k.wrapping_add_signed(offset);
+            clip.skeleton.difference(clip.pose(k), clip.pose(at), 1.0, &mut delta);
+            for i in 0..nv {
+                v[i] += slope * rate * delta[i];
+                vd[i] += bend * rate * rate * delta[i];
+            }
+        }
+    }
+    out
+}
+
+type Stencil = &'static [(isize, f64, f64)];
+
+/// Neighbours of a frame with their weights for slope and curvature, per frame; the frame's own is zero in
+/// its tangent space.
+fn stencil(k: usize, frames: usize) -> Stencil {
+    const FIVE: Stencil = &[
+        (-2, 1.0 / 12.0, -1.0 / 12.0),
+        (-1, -8.0 / 12.0, 16.0 / 12.0),
+        (1, 8.0 / 12.0, 16.0 / 12.0),
+        (2, -1.0 / 12.0, -1.0 / 12.0),
+    ];
+    const THREE: Stencil = &[(-1, -0.5, 1.0), (1, 0.5, 1.0)];
+    const FIRST: Stencil = &[(1, 2.0, -2.0), (2, -0.5, 1.0)];
+    const LAST: Stencil = &[(-1, -2.0, -2.0), (-2, 0.5, 1.0)];
+    match frames {
+        0 | 1 => &[],
+        2 if k == 0 => &[(1, 1.0, 0.0)],
+        2 => &[(-1, -1.0, 0.0)],
+        _ if k == 0 => FIRST,
+        _ if k == frames - 1 => LAST,
+        _ if k == 1 || k == frames - 2 => THREE,
+        _ => FIVE,
+    }
+}
+
+#[cfg(test)]
+mod tests;
