@@ -217,10 +217,9 @@ impl Analysis {
 /// Strength of smoothing for the forces of a clip, by the noise on the path of its centre of mass. See
 /// [`AnalysisOptions::smoothing`].
 pub fn strength(model: &Model, state: &mut State, clip: &Clip, options: &AnalysisOptions) -> Strength {
-    let rest = vec![0.0; model.nv()];
     let mut com = Vec::with_capacity(3 * clip.frames());
     for k in 0..clip.frames() {
-        state.update(model, clip.pose(k), &rest);
+        state.update_pose(model, clip.pose(k));
         com.extend(&state.com(model));
     }
     let chosen = Strength::of(&com, 3, clip.rate_hz, options.soft_tissue);
@@ -289,20 +288,17 @@ pub fn analyze(
         let row = k * nv..(k + 1) * nv;
         let (v, vd) = (&a.v[row.clone()], &a.vd[row.clone()]);
         state.update(&model, a.clip.pose(k), v);
-        let tau = &mut a.tau[row];
-        state.inverse_dynamics(&model, v, vd, &[], tau);
         let momentum = state.momentum(&model);
-        let (force, moment_root) = state.whole_wrench();
-        let root = state.bodies[0].world.translation.vector;
-        let moment_com = moment_root + (root - momentum.com).cross(&force);
+        let rate = state.momentum_rate(&model, v, vd);
+        let (force, moment_com) = (rate.linear - model.gravity * model.mass, rate.angular);
+        let to_com = momentum.com - state.bodies[0].origin();
+        let moment_root = moment_com + to_com.cross(&force);
 
         let given = floor.give(&model, &state, &soles, &mut scratch, momentum.com, force, moment_com);
         wrenches.clear();
         wrenches.extend(scratch.wrenches());
-        if !wrenches.is_empty() {
-            state.inverse_dynamics(&model, v, vd, &wrenches, tau);
-        }
-        let moment_given_root = given.moment_com + (momentum.com - root).cross(&given.force);
+        state.inverse_dynamics(&model, v, vd, &wrenches, &mut a.tau[row]);
+        let moment_given_root = given.moment_com + to_com.cross(&given.force);
 
         a.required_force.extend(&force);
         a.required_moment_com.extend(&moment_com);
@@ -354,15 +350,6 @@ impl FootForces {
     /// Force on the foot in a frame, N.
     pub fn force_at(&self, frame: usize) -> Vec3 {
         vec_at(&self.force, 3 * frame)
-    }
-}
-
-impl State {
-    /// Force (N) and moment about the root's origin (N·m), world axes, that the whole body needed from
-    /// outside in the last [`State::inverse_dynamics`], beyond the wrenches given to it.
-    fn whole_wrench(&self) -> (Vec3, Vec3) {
-        // the recursion has summed (5.10) of all bodies in the root's
-        (self.force[0], self.moment[0])
     }
 }
 
