@@ -408,3 +408,72 @@ fn detect(
     let middle = slow.len() / 2;
     Some(*slow.select_nth_unstable_by(middle, f64::total_cmp).1)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Two soles 0.1 × 0.25 m, 0.3 m apart, at height 0.2.
+    fn corners() -> Vec<Vec3> {
+        let sole = [(0.0, 0.0), (0.1, 0.0), (0.1, 0.25), (0.0, 0.25)];
+        let at = |x: f64| sole.map(|(dx, z)| Vec3::new(x + dx, 0.2, z));
+        [at(-0.25), at(0.15)].concat()
+    }
+
+    /// Between equal feet side by side the load is shared by distance; the centre is where it was asked for.
+    #[test]
+    fn equal_feet_share_by_distance() {
+        let at = corners();
+        for s in [0.0, 0.1, 0.3, 0.5, 0.8, 1.0] {
+            let aim = Vec3::new(-0.2 + 0.4 * s, 0.2, 0.125);
+            let mut share = [0.0; 8];
+            let center = pressures(&at, &[1.0; 8], aim, &mut share);
+            let right: f64 = share[4..].iter().sum();
+            assert!((center - aim).norm() < 1e-7, "{s}: {center}"); // 4e-11 seen
+            // up to the inner edges; beyond, a foot lifts its far corners
+            let expected = if s == 0.0 || s == 1.0 { s } else { 0.5 + (s - 0.5) * right_slope() };
+            assert!((right - expected).abs() < 0.1, "{s}: {right} {expected}");
+        }
+    }
+
+    /// Slope of the share for soles of this width: ∫x over the corners, (0.2·0.4)/(0.2² + 0.05²)/… = 0.94.
+    fn right_slope() -> f64 {
+        0.2 * 0.4 / (0.2f64.powi(2) + 0.05f64.powi(2)) / 2.0
+    }
+
+    /// Corners, edges and the inside of the hull: no corner pulls, the centre is reached, and each foot's own
+    /// centre is in its sole.
+    #[test]
+    fn pressures_push_and_balance_everywhere() {
+        let at = corners();
+        let touch = [1.0, 0.7, 1.0, 0.02, 1.0, 1.0, 0.3, 1.0];
+        let hull = Support::of(at.iter());
+        for i in 0..400 {
+            let f = f64::from(i);
+            let wild = motion::support::Vec2::new((f * 0.7).sin() * 0.4, 0.125 + (f * 1.3).cos() * 0.3);
+            let aim = hull.nearest(&wild).unwrap();
+            let mut share = [0.0; 8];
+            let center = pressures(&at, &touch, Vec3::new(aim.x, 0.2, aim.y), &mut share);
+            assert!(share.iter().all(|w| *w >= 0.0));
+            assert!((share.iter().sum::<f64>() - 1.0).abs() < 1e-12);
+            let error = (plane(&center) - aim).norm();
+            assert!(error < 1e-5, "{aim}: {error}"); // 2e-7 seen
+        }
+    }
+
+    #[test]
+    fn touch_fades_between_half_and_one() {
+        assert_eq!((fade(-3.0), fade(0.5), fade(0.75), fade(1.0), fade(9.0)), (1.0, 1.0, 0.5, 0.0, 0.0));
+    }
+
+    /// Through the centre of pressure the wrench has a vertical moment only.
+    #[test]
+    fn no_horizontal_moment_at_the_center_of_pressure() {
+        let (com, f, m) =
+            (Vec3::new(0.1, 0.9, -0.2), Vec3::new(30.0, 700.0, -80.0), Vec3::new(12.0, -3.0, 25.0));
+        let c = pressure_center(com, f, m, 0.05);
+        let at_c = m + (com - c).cross(&f);
+        assert!(at_c.x.abs() < 1e-12 && at_c.z.abs() < 1e-12, "{at_c}");
+        assert_eq!(c.y, 0.05);
+    }
+}
