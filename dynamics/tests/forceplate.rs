@@ -205,3 +205,46 @@ fn wrong_answers_fail_the_same_thresholds() {
         }
     }
 }
+
+/// Contact phases, shares and centres of pressure of each foot against the plates under it: what the rule
+/// for sharing the force is worth where both feet stand.
+///
+/// Fore and aft the plates show what no rule knows: in double support the feet push against each other.
+#[test]
+fn feet_carry_what_the_plates_say() {
+    let trial = Trial::load(FILES[2]);
+    let a = trial.analysis_on_soles(Poses::Raw, Smoothing::Off);
+    println!("ground found at {:.4} m", a.ground_m.unwrap());
+    for (side, name) in [("_r", "right"), ("_l", "left")] {
+        let (force, cop) = trial.foot(name);
+        let parts: Vec<_> = a.feet.iter().filter(|f| f.name.ends_with(side)).collect();
+        let sum = |k: usize| -> Vec3 { parts.iter().map(|f| f.force_at(k)).sum() };
+        let ours: Vec<Vec3> = (0..a.frames()).map(sum).collect();
+        let fits = [0, 1, 2].map(|i| fit(&trial, &ours, &force, i, trial.weight() / 100.0));
+        let (mut apart, mut loaded) = (Vec3::zeros(), 0.0);
+        for &k in trial.valid.iter().filter(|&&k| force[k].y > 100.0 && ours[k].y > 100.0) {
+            let at: Vec3 = parts
+                .iter()
+                .filter(|f| f.share[k] > 0.0)
+                .map(|f| Vec3::from_column_slice(&f.cop[3 * k..3 * k + 3]) * (f.force_at(k).y / ours[k].y))
+                .sum();
+            apart += (at - cop[k]).component_mul(&(at - cop[k]));
+            loaded += 1.0;
+        }
+        let apart = (apart / loaded).map(f64::sqrt);
+        let agree = |k: usize| (force[k].y > 20.0) == parts.iter().any(|f| f.contact[k]);
+        let phases = trial.valid.iter().filter(|&&k| agree(k)).count() as f64 / trial.valid.len() as f64;
+        println!(
+            "{name}: V {:.1} % {:.3}, AP {:.1} % {:.3}, ML {:.1} % {:.3}; centre of pressure x {:.1} cm, z {:.1} cm; contact agrees in {:.0} % of frames",
+            fits[1].rms,
+            fits[1].r,
+            fits[0].rms,
+            fits[0].r,
+            fits[2].rms,
+            fits[2].r,
+            100.0 * apart.x,
+            100.0 * apart.z,
+            100.0 * phases
+        );
+    }
+}

@@ -21,7 +21,7 @@ pub mod grade;
 pub mod ground;
 pub mod noise;
 
-use motion::rotation::Vec3;
+use motion::rotation::{Vec3, log};
 use motion::skeleton::vec_at;
 use motion::smooth::{SmoothReport, Smoothed, Smoothing, Strength, smooth_at};
 use motion::{Clip, Joint};
@@ -133,6 +133,19 @@ pub struct FootForces {
     pub free_moment: Vec<f64>,
 }
 
+/// A joint that turns further between two frames than a joint can: a flipped or mislabelled recording.
+///
+/// No smoother mends it, and the forces around it mean nothing.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Jump {
+    /// The frame after the jump.
+    pub frame: usize,
+    /// The link.
+    pub link: usize,
+    /// Angle, rad.
+    pub angle: f64,
+}
+
 /// What a clip needs and what the ground gives. See the module header.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Analysis {
@@ -140,6 +153,8 @@ pub struct Analysis {
     pub clip: Clip,
     /// What the smoother chose and found.
     pub smoothing: SmoothReport,
+    /// Jumps of the given clip, before smoothing, in order of frame: turns beyond 45° and 25 rad/s.
+    pub jumps: Vec<Jump>,
     /// Gravity, m/s².
     pub gravity: Vec3,
     /// Mass, kg.
@@ -174,7 +189,7 @@ pub struct Analysis {
     /// Angular momentum about it, `frames × 3`, N·m·s.
     pub angular_momentum: Vec<f64>,
     /// Centre of pressure the motion needs on the ground, `frames × 3`, m; NaN where the required force
-    /// does not press, or without ground.
+    /// presses with less than a tenth of body weight, or without ground.
     pub cop: Vec<f64>,
     /// The feet, in the order of the character's legs.
     pub feet: Vec<FootForces>,
@@ -247,6 +262,7 @@ pub fn analyze(
     let clip = map.clip_to_character(clip, &character.skeleton);
     let model = Model::new(character, options.gravity);
     let mut state = State::new(&model);
+    let jumps = jumps(&clip);
     let strength = strength(&model, &mut state, &clip, options);
     let Smoothed { clip, derivatives, report } = smooth_at(&clip, strength);
     let soles = Soles::of(character, &model);
@@ -257,6 +273,7 @@ pub fn analyze(
     let table = |columns: usize| Vec::with_capacity(frames * columns);
     let mut a = Analysis {
         smoothing: report,
+        jumps,
         gravity: options.gravity,
         mass: model.mass,
         friction: options.friction,
@@ -351,6 +368,29 @@ impl FootForces {
     pub fn force_at(&self, frame: usize) -> Vec3 {
         vec_at(&self.force, 3 * frame)
     }
+}
+
+/// Turns beyond 45° and 25 rad/s from one frame to the next.
+fn jumps(clip: &Clip) -> Vec<Jump> {
+    let most = std::f64::consts::FRAC_PI_4.max(25.0 / clip.rate_hz);
+    let skeleton = &clip.skeleton;
+    let mut out = Vec::new();
+    for frame in 1..clip.frames() {
+        let (a, b) = (clip.pose(frame - 1), clip.pose(frame));
+        for (link, l) in skeleton.links().iter().enumerate() {
+            let angle = match l.joint {
+                Joint::Free | Joint::Spherical => {
+                    log(&(skeleton.rotation(b, link) * skeleton.rotation(a, link).inverse())).norm()
+                }
+                Joint::Revolute(_) => (b[skeleton.q_at(link)] - a[skeleton.q_at(link)]).abs(),
+                Joint::Prismatic(_) | Joint::Fixed => 0.0,
+            };
+            if angle > most {
+                out.push(Jump { frame, link, angle });
+            }
+        }
+    }
+    out
 }
 
 fn check(clip: &Clip, options: &AnalysisOptions) -> Result<(), AnalysisError> {
