@@ -152,14 +152,14 @@ fn the_chosen_strength_is_nearly_the_best() {
         let clean = Derivatives::central(&clip(8.0 * rate, 8 * frames, || 0.0));
         let truth: Vec<f64> = clean.vd.chunks_exact(10).step_by(8).take(frames).flatten().copied().collect();
         for size in [3e-4, 1e-3, 3e-3, 1e-2] {
-            for colour in [0.0, 0.5, 0.8] {
+            for colour in [0.0_f64, 0.5, 0.8] {
                 let mut random = Random(rate as u64 * 1000 + (size * 1e5) as u64 + (colour * 10.0) as u64);
                 // ten numbers per frame: each remembers its own last value
-                let mut last = vec![0.0; 12];
+                let mut last = [0.0; 12];
                 let mut at = 0;
                 let given = clip(rate, frames, || {
                     at = (at + 1) % 12;
-                    last[at] = colour * last[at] + (1.0 - colour * colour as f64).sqrt() * random.normal();
+                    last[at] = colour * last[at] + (1.0 - colour * colour).sqrt() * random.normal();
                     size * last[at]
                 });
                 // a quarter of a second at each end has data on one side only: measured apart
