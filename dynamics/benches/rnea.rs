@@ -1,4 +1,5 @@
-//! Times inverse dynamics and the mass matrix of the standing human, and dumps what they were fed.
+//! Times inverse and forward dynamics, mass matrix and derivatives of the standing human, and dumps
+//! what they were fed.
 //!
 //! `cargo bench -p dynamics --bench rnea -- [DUMP_DIR]`. One JSON line: microseconds per call, each the
 //! least of 30 passes over the same 1,000 states, in CPU time of the thread. With a folder, writes
@@ -14,7 +15,7 @@ use std::hint::black_box;
 use std::path::Path;
 
 use dynamics::anthropometry::human::human;
-use dynamics::{Model, State};
+use dynamics::{ForwardDynamics, InverseDerivatives, Model, State};
 use motion::{Joint, Vec3};
 use nalgebra::DMatrix;
 
@@ -53,8 +54,22 @@ fn main() {
         state.mass_matrix(&model, &mut m);
         black_box(&m);
     });
+    let mut forward = ForwardDynamics::new(&model);
+    let mut vd = vec![0.0; n];
+    let accelerations = least(&samples, |s| {
+        state.update(&model, &s.q, &s.v);
+        // any forces do: the samples' accelerations are at hand
+        forward.accelerations(&model, &mut state, &s.v, &s.vd, &[], &mut vd).expect("the human has mass");
+        black_box(&vd);
+    });
+    let mut slopes = InverseDerivatives::new(&model);
+    let derivatives = least(&samples, |s| {
+        state.update(&model, &s.q, &s.v);
+        slopes.update(&model, &state, &s.v, &s.vd, &[]);
+        black_box(&slopes);
+    });
     println!(
-        "{{\"engine\":\"contrapposto\",\"rnea_us\":{rnea:.3},\"crba_us\":{crba:.3},\"pose_us\":{pose:.3},\"nv\":{n}}}"
+        "{{\"engine\":\"contrapposto\",\"rnea_us\":{rnea:.3},\"crba_us\":{crba:.3},\"pose_us\":{pose:.3},\"forward_us\":{accelerations:.3},\"derivatives_us\":{derivatives:.3},\"nv\":{n}}}"
     );
 }
 

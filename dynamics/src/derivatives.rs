@@ -9,7 +9,7 @@
 //! # Method
 //!
 //! The chain rule through the Newton–Euler recursion with spatial vectors in one inertial frame, as in
-//! [CM18] and [SRW22]; what follows differs from them where a joint has several axes, because our axes
+//! \[CM18\] and \[SRW22\]; what follows differs from them where a joint has several axes, because our axes
 //! stand still under the joint's own motion. World axes, moments about the root's origin. A free joint is
 //! a slide along three axes with a ball at its end; λ is the joint inboard.
 //!
@@ -37,8 +37,8 @@
 //! `N = [w×]J − J[w×] − [h×][u×] − [u×][h×] − [(Jw + h × u)×]` for V = (w; u), J the inertia about the
 //! point, h = m c.
 //!
-//! [CM18] Carpentier, Mansard. Analytical Derivatives of Rigid Body Dynamics Algorithms, RSS 2018.
-//! [SRW22] Singh, Russell, Wensing. Efficient Analytical Derivatives of Rigid-Body Dynamics using
+//! \[CM18\] Carpentier, Mansard. Analytical Derivatives of Rigid Body Dynamics Algorithms, RSS 2018.
+//! \[SRW22\] Singh, Russell, Wensing. Efficient Analytical Derivatives of Rigid-Body Dynamics using
 //! Spatial Vector Algebra, RA-L 2022.
 
 use std::ops::{Add, AddAssign};

@@ -2,7 +2,7 @@
 //!
 //! In: a [`Model`], its [`State`] at (q, v), forces `τ`. Out: `v̇`. The mass matrix comes from
 //! [`State::mass_matrix`], the bias `c` from [`State::bias`]; M is factored as `M = Lᵀ L`, L lower
-//! triangular, from the last degree of freedom to the first (Featherstone 2008, §6.5, Table 6.3). In
+//! triangular, from the last degree of freedom to the first (Featherstone 2008, §6.5). In
 //! this order L is zero wherever M is zero by the tree: row k of L has entries only at the axes inboard
 //! of axis k, so the work is Σ depth² and not nv³/6.
 //!

@@ -1,8 +1,8 @@
 //! Inertia of the whole body: centre of mass, momentum and its rate, energy, gravity stiffness.
 //!
 //! In: a [`Model`] and its [`State`] at (q, v). Out: what the body is and has as a whole, along world
-//! axes. Spatial momentum is the pair (linear, angular about a point): Featherstone 2008, (2.61) summed
-//! over bodies; about the centre of mass it is the centroidal momentum. The mass matrix is in
+//! axes. Spatial momentum is the pair (linear, angular about a point): Featherstone 2008, §2.13, summed over
+//! bodies; about the centre of mass it is the centroidal momentum. The mass matrix is in
 //! [`crate::crba`].
 
 use motion::Vec3;

@@ -20,9 +20,14 @@ impl Numbers {
 }
 
 fn tree() -> Character {
+    tree_on(Joint::Free)
+}
+
+/// The tree with a root that moves as `root` does.
+fn tree_on(root: Joint) -> Character {
     let mut r = Numbers(0.3);
     let joints = [
-        (None, Joint::Free),
+        (None, root),
         (Some(0), Joint::Spherical),
         (Some(1), Joint::Revolute(Vec3::new(0.6, 0.0, 0.8))),
         (Some(0), Joint::Prismatic(Vec3::new(0.0, 0.8, -0.6))),
@@ -68,10 +73,24 @@ struct Case {
 }
 
 fn cases() -> Vec<Case> {
-    let character = tree();
-    let model = Model::new(&character, Vec3::new(0.3, -9.81, 0.2));
+    cases_of(&tree(), 20)
+}
+
+/// The tree on roots of every kind, and the human, whose root's zero frame is the world's.
+fn all_cases() -> Vec<Case> {
+    let slide = Joint::Prismatic(Vec3::new(0.0, 0.6, 0.8));
+    let mut cases = cases();
+    for root in [Joint::Fixed, slide, Joint::Revolute(Vec3::z()), Joint::Spherical] {
+        cases.extend(cases_of(&tree_on(root), 4));
+    }
+    cases.extend(cases_of(&dynamics::anthropometry::human::human().0, 4));
+    cases
+}
+
+fn cases_of(character: &Character, count: usize) -> Vec<Case> {
+    let model = Model::new(character, Vec3::new(0.3, -9.81, 0.2));
     let mut r = Numbers(0.7);
-    (0..20)
+    (0..count)
         .map(|_| {
             let mut q = character.skeleton.zero_pose();
             let turn: Vec<f64> = (0..model.nv()).map(|_| 2.0 * r.next()).collect();
@@ -111,7 +130,7 @@ fn welds_are_fused() {
 /// Columns of M are inverse dynamics of unit accelerations: two algorithms, one matrix.
 #[test]
 fn mass_matrix_is_inverse_dynamics_of_unit_accelerations() {
-    for c in cases() {
+    for c in all_cases() {
         let m = mass(&c);
         let n = c.model.nv();
         let zero = vec![0.0; n];
@@ -130,7 +149,7 @@ fn mass_matrix_is_inverse_dynamics_of_unit_accelerations() {
 #[test]
 fn work_is_the_change_of_energy() {
     let dt = 1e-5;
-    for c in cases() {
+    for c in all_cases() {
         let tau = inverse(&c, &c.q, &c.v, &c.vd, &[]);
         let power: f64 = tau.iter().zip(&c.v).map(|(t, v)| t * v).sum();
         let energy = |h: f64| {
@@ -145,7 +164,7 @@ fn work_is_the_change_of_energy() {
             kinetic + potential
         };
         let rate = (energy(dt) - energy(-dt)) / (2.0 * dt);
-        assert!((rate - power).abs() < 1e-6 * power.abs().max(1e3), "{rate} {power}"); // 1e-8 seen
+        assert!((rate - power).abs() < 1e-6 * power.abs().max(1e3), "{rate} {power}"); // 5e-8 seen
     }
 }
 
@@ -182,7 +201,7 @@ fn root_force_is_the_rate_of_momentum() {
 /// Forward dynamics of inverse dynamics gives the acceleration back, and the other way round.
 #[test]
 fn forward_undoes_inverse() {
-    for c in cases() {
+    for c in all_cases() {
         let mut state = State::new(&c.model);
         state.update(&c.model, &c.q, &c.v);
         let w = Wrench {
@@ -201,7 +220,7 @@ fn forward_undoes_inverse() {
         let mut x = vec![0.0; c.model.nv()];
         forward.accelerations(&c.model, &mut state, &c.v, &c.vd, &[w], &mut x).unwrap();
         let back = inverse(&c, &c.q, &c.v, &x, &[w]);
-        assert!((&back - &given).norm() < 1e-11 * tau.norm()); // 2e-14 seen
+        assert!((&back - &given).norm() < 1e-11 * tau.norm()); // 4e-14 seen
         // the sparse factor solves as a dense one does
         let mut y = c.vd.clone();
         forward.solve(&mut y);
@@ -225,7 +244,7 @@ fn no_inertia_is_refused() {
 /// The bias is Coriolis terms and gravity load, and each is what its name says.
 #[test]
 fn the_bias_is_coriolis_and_gravity() {
-    for c in cases() {
+    for c in all_cases() {
         let n = c.model.nv();
         let zero = vec![0.0; n];
         let mut state = State::new(&c.model);
@@ -260,7 +279,7 @@ fn the_bias_is_coriolis_and_gravity() {
                 }
             };
             let slope = (potential(h) - potential(-h)) / (2.0 * h);
-            assert!((slope - gravity[k]).abs() < 1e-7 * gravity.norm(), "{k}: {slope} {}", gravity[k]);
+            assert!((slope - gravity[k]).abs() < 1e-7 * gravity.norm(), "{k}: {slope} {}", gravity[k]); // 4e-11 seen
         }
     }
 }
@@ -273,7 +292,7 @@ fn the_bias_is_coriolis_and_gravity() {
 #[test]
 fn coriolis_terms_follow_from_the_mass_matrix() {
     let h = 1e-5;
-    for c in cases() {
+    for c in all_cases() {
         let n = c.model.nv();
         let v = DVector::from_vec(c.v.clone());
         let m_at = |direction: &[f64], s: f64| {
@@ -293,7 +312,7 @@ fn coriolis_terms_follow_from_the_mass_matrix() {
 
         let rate = (m_at(&c.v, h) - m_at(&c.v, -h)) / (2.0 * h);
         let work = v.dot(&(&rate * &v));
-        assert!((work - 2.0 * v.dot(&coriolis)).abs() < 1e-7 * coriolis.norm() * v.norm()); // 1e-9 seen
+        assert!((work - 2.0 * v.dot(&coriolis)).abs() < 1e-7 * coriolis.norm() * v.norm()); // 2e-9 seen
 
         let p = m_at(&c.v, 0.0) * &v;
         let mut expected = &rate * &v;
@@ -314,7 +333,7 @@ fn coriolis_terms_follow_from_the_mass_matrix() {
             (0..3).for_each(|k| expected[at + k] += turned[k]);
         }
         let error = (&expected - &coriolis).norm() / coriolis.norm();
-        assert!(error < 1e-7, "{error}"); // 6e-9 seen
+        assert!(error < 1e-7, "{error}"); // 8e-9 seen
     }
 }
 
@@ -322,7 +341,7 @@ fn coriolis_terms_follow_from_the_mass_matrix() {
 #[test]
 fn momentum_rate_is_the_slope_of_the_momentum() {
     let dt = 1e-5;
-    for c in cases() {
+    for c in all_cases() {
         let along = |h: f64| {
             let mut q = c.q.clone();
             let mid: Vec<f64> = c.v.iter().zip(&c.vd).map(|(v, a)| v + 0.5 * a * h).collect();
@@ -342,7 +361,7 @@ fn momentum_rate_is_the_slope_of_the_momentum() {
         assert!((angular - rate.angular).norm() < 1e-6 * angular.norm().max(1e2)); // 1e-8 seen
         let point = Vec3::new(3.0, -2.0, 1.0);
         let about = (b.about(&point) - a.about(&point)) / (2.0 * dt);
-        assert!((about - rate.about(&point)).norm() < 1e-6 * about.norm());
+        assert!((about - rate.about(&point)).norm() < 1e-6 * about.norm()); // 4e-8 seen
         let speed = state.momentum(&c.model).linear / c.model.mass;
         let moved = (b.com - a.com) / (2.0 * dt);
         assert!((speed - moved).norm() < 1e-6 * speed.norm().max(1.0));
@@ -352,7 +371,7 @@ fn momentum_rate_is_the_slope_of_the_momentum() {
 /// An outside wrench enters as −Jᵀ w, and Jᵀ w does the wrench's work on any velocity.
 #[test]
 fn wrenches_enter_through_the_jacobian() {
-    for c in cases() {
+    for c in all_cases() {
         let mut state = State::new(&c.model);
         state.update(&c.model, &c.q, &c.v);
         let at = Vec3::new(0.1, -0.2, 0.3);
@@ -419,7 +438,7 @@ fn gravity_stiffness_is_the_slope_of_the_gravity_load() {
 /// ∂τ/∂q, ∂τ/∂v, ∂τ/∂v̇ against central differences, with wrenches that stay in the world.
 #[test]
 fn derivatives_of_inverse_dynamics_are_its_slopes() {
-    for (i, c) in cases().iter().enumerate() {
+    for (i, c) in all_cases().iter().enumerate() {
         let n = c.model.nv();
         let mut state = State::new(&c.model);
         state.update(&c.model, &c.q, &c.v);
@@ -461,7 +480,7 @@ fn derivatives_of_inverse_dynamics_are_its_slopes() {
         let mut coriolis = vec![0.0; n];
         state.coriolis(&c.model, &c.v, &mut coriolis);
         let twice = DVector::from_vec(coriolis) * 2.0;
-        assert!((&slopes.v * v - &twice).norm() < 1e-12 * twice.norm()); // 1e-15 seen
-        assert!((&slopes.vd - mass(c)).norm() < 1e-13 * slopes.vd.norm());
+        assert!((&slopes.v * v - &twice).norm() < 1e-12 * twice.norm()); // 3e-15 seen
+        assert!((&slopes.vd - mass(c)).norm() < 1e-13 * slopes.vd.norm()); // 7e-16 seen
     }
 }
