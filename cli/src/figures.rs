@@ -15,11 +15,11 @@ type OfTrace = (&'static str, fn(&scenes::Trace, &str) -> Figure);
 
 /// Figures of what was performed.
 const OF_TRACE: &[OfTrace] = &[
-    ("joint_angles", plots::joint_angles),
-    ("gains_and_torques", plots::gains_and_torques),
-    ("contact_forces", plots::contact_forces),
-    ("center_of_mass", plots::center_of_mass),
-    ("momentum_residual", plots::momentum_residual),
+    ("joint_angles", |t, note| plots::joint_angles(t, note)),
+    ("gains_and_torques", |t, note| plots::gains_and_torques(t, note)),
+    ("contact_forces", |t, note| plots::contact_forces(t, note)),
+    ("center_of_mass", |t, note| plots::center_of_mass(t, note)),
+    ("momentum_residual", |t, note| plots::momentum_residual(t, note)),
 ];
 
 /// Names of all figures a run may get.

@@ -10,17 +10,25 @@
 //! | [`summary`] | what `render` says at the end |
 //! | [`figures`] | which figures a run gets |
 //! | [`inspect`] | what is in a file |
+//! | [`mod@plot`] | a trace or a clip to figures |
+//! | [`analyze`] | a clip to the forces it needs |
+//! | [`analysis_text`] | what `analyze` says at the end |
+//! | [`drawing`] | the figures of `plot` and `analyze` |
 //! | [`convert`] | one format to another |
 //! | [`output`] | all files or none |
 //! | [`progress`] | the bar |
 //! | [`failure`] | exit codes |
 
+mod analysis_text;
+mod analyze;
 mod args;
 mod convert;
+mod drawing;
 mod failure;
 mod figures;
 mod inspect;
 mod output;
+mod plot;
 mod progress;
 mod render;
 mod summary;
@@ -35,6 +43,8 @@ fn main() -> ExitCode {
     let done = match Cli::parse().command {
         Command::Render(args) => render::run(&args),
         Command::Inspect(args) => inspect::run(&args),
+        Command::Plot(args) => plot::run(&args),
+        Command::Analyze(args) => analyze::run(&args),
         Command::Convert(args) => convert::run(&args),
     };
     match done {

@@ -23,14 +23,23 @@ pub struct Output {
     target: PathBuf,
     staging: PathBuf,
     existed: bool,
+    ours: Vec<PathBuf>,
 }
 
 impl Output {
-    /// Begins a folder.
+    /// Begins a folder of a run.
     ///
     /// # Errors
     /// If it cannot be written to.
     pub fn begin(target: &Path) -> Result<Self, Failure> {
+        Self::replacing(target, ours().collect())
+    }
+
+    /// Begins a folder in which these files, if not written anew, are removed; all others stay.
+    ///
+    /// # Errors
+    /// If it cannot be written to.
+    pub fn replacing(target: &Path, ours: Vec<PathBuf>) -> Result<Self, Failure> {
         let fail = |e: io::Error| Failure::run(format!("cannot write into {}: {e}", target.display()));
         let existed = target.is_dir();
         // inside a folder that exists: its parent may be closed to us, or another file system
@@ -42,7 +51,7 @@ impl Output {
         }
         let staging = home.join(format!(".contrapposto.{}.tmp", std::process::id()));
         fs::create_dir(&staging).map_err(fail)?;
-        Ok(Self { target: target.to_owned(), staging, existed })
+        Ok(Self { target: target.to_owned(), staging, existed, ours })
     }
 
     /// Checks that a folder can be written to, leaving nothing behind.
@@ -77,7 +86,7 @@ impl Output {
         let fail = |path: &Path, e: io::Error| Failure::run(format!("cannot write {}: {e}", path.display()));
         fs::create_dir_all(&self.target).map_err(|e| fail(&self.target, e))?;
         let mut files = files(&self.staging).map_err(|e| fail(&self.staging, e))?;
-        for name in ours().filter(|n| !files.contains(n)) {
+        for name in self.ours.iter().filter(|n| !files.contains(n)) {
             let path = self.target.join(name);
             match fs::remove_file(&path) {
                 Err(e) if e.kind() != io::ErrorKind::NotFound => return Err(fail(&path, e)),

@@ -181,12 +181,13 @@ fn feet(f: &FeetReport) -> String {
     )
 }
 
-fn line(out: &mut String, what: &str, text: impl AsRef<str>) -> std::fmt::Result {
+/// A line of a summary: what it is about, and what there is to say.
+pub fn line(out: &mut String, what: &str, text: impl AsRef<str>) -> std::fmt::Result {
     writeln!(out, "  {what:<11}{}", text.as_ref())
 }
 
 /// A number as short as it may be.
-fn number(x: f64) -> String {
+pub fn number(x: f64) -> String {
     let text = format!("{x:.3}");
     text.trim_end_matches('0').trim_end_matches('.').to_owned()
 }

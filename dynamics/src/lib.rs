@@ -6,6 +6,7 @@
 //! | module | holds |
 //! |---|---|
 //! | [`analysis`] | what forces a clip needs, and whether the ground can give them |
+//! | [`analysis_files`] | an analysis as CSV, MOT, npz, and as a trace |
 //! | [`anthropometry`] | a body for any human-like skeleton |
 //! | [`character`] | mass, inertia, shapes and contact points on a skeleton |
 //! | [`model`] | a character compiled for dynamics, and its world-frame state |
@@ -14,17 +15,22 @@
 //! | [`derivatives`] | slopes of inverse dynamics by pose, velocity and acceleration |
 //! | [`forward`] | accelerations from forces |
 //! | [`inertia`] | composites, momentum and its rate, energy, gravity stiffness |
+//! | [`rnea`] | inverse dynamics with outside wrenches |
+//! | [`ground_forces`] | ground forces required, given and measured, per foot |
+//! | [`inertia`] | mass matrix, momentum, energy, gravity stiffness |
 //! | [`penalty`] | the force of the ground on a point, from its height and slip |
 //! | [`pose_map`] | poses between a clip's skeleton and a character's |
 //! | [`trace`] | what a dynamic run recorded |
-//! | [`trace_npz`] | a trace as numpy arrays |
+//! | [`trace_npz`] | a trace as numpy arrays, written and read |
 
 pub mod analysis;
+pub mod analysis_files;
 pub mod anthropometry;
 pub mod character;
 pub mod crba;
 pub mod derivatives;
 pub mod forward;
+pub mod ground_forces;
 pub mod inertia;
 pub mod model;
 pub mod penalty;
@@ -39,8 +45,11 @@ pub use character::{Body, Character, CharacterError, JointClass};
 pub use derivatives::InverseDerivatives;
 pub use forward::{ForwardDynamics, NoInertia};
 pub use inertia::{Momentum, MomentumRate};
+pub use ground_forces::{FootForce, GivenBy, GroundForces};
+pub use inertia::Momentum;
 pub use model::{Model, MovingBody, State};
 pub use penalty::Penalty;
 pub use pose_map::{PoseMap, PoseMapError};
 pub use rnea::{Wrench, total_wrench};
 pub use trace::{ContactSample, RootMode, Trace};
+pub use trace_npz::TraceFileError;

@@ -143,4 +143,66 @@ impl Trace {
         }
         (sum > 1.0).then(|| at / sum)
     }
+
+    /// What held the body beyond gravity and contacts, `rows × 6`: force (N), moment about the root's
+    /// origin (N·m). Of a held root the wrench on record; of a free one `d(momentum)/dt − m g − Σ contacts`,
+    /// which is the error of the integrator. Zero in row 0.
+    pub fn residual(&self) -> Vec<f64> {
+        if self.root != RootMode::Free {
+            return self.root_wrench.clone();
+        }
+        let rows = self.rows();
+        let mass = self.character.mass();
+        let momentum = |row: usize, at: usize| motion::skeleton::vec_at(&self.momentum, 6 * row + at);
+        let mut force = vec![Vec3::zeros(); rows];
+        let mut moment = vec![Vec3::zeros(); rows];
+        for row in 1..rows {
+            let change = |at: usize| (momentum(row, at) - momentum(row - 1, at)) * self.rate_hz;
+            (force[row], moment[row]) = (change(0) - self.gravity * mass, change(3));
+        }
+        for c in self.contacts.iter().filter(|c| c.row > 0) {
+            force[c.row] -= c.force;
+            moment[c.row] -= (c.point - self.com_at(c.row)).cross(&c.force);
+        }
+        let root = |row: usize| motion::Kinematics::new(&self.character.skeleton, self.pose(row)).origin(0);
+        (0..rows)
+            .flat_map(|row| {
+                let m = moment[row] + (self.com_at(row) - root(row)).cross(&force[row]);
+                [force[row].x, force[row].y, force[row].z, m.x, m.y, m.z]
+            })
+            .collect()
+    }
+
+    /// The rows of a range, as a trace of their own.
+    ///
+    /// # Panics
+    /// If the range is empty or ends beyond the last row.
+    pub fn cut(&self, rows: std::ops::Range<usize>) -> Self {
+        assert!(!rows.is_empty() && rows.end <= self.rows(), "{rows:?} of {} rows", self.rows());
+        let all = self.rows();
+        let part = |data: &[f64]| {
+            let n = data.len() / all;
+            data[rows.start * n..rows.end * n].to_vec()
+        };
+        let inside = |c: &&ContactSample| rows.contains(&c.row);
+        let contacts = self.contacts.iter().filter(inside);
+        Self {
+            q: part(&self.q),
+            v: part(&self.v),
+            target: part(&self.target),
+            torque: part(&self.torque),
+            stop_torque: part(&self.stop_torque),
+            k_lo: part(&self.k_lo),
+            k_hi: part(&self.k_hi),
+            kd: part(&self.kd),
+            contacts: contacts.map(|c| ContactSample { row: c.row - rows.start, ..*c }).collect(),
+            root_wrench: part(&self.root_wrench),
+            com: part(&self.com),
+            momentum: part(&self.momentum),
+            link_com: part(&self.link_com),
+            energy: part(&self.energy),
+            character: self.character.clone(),
+            ..*self
+        }
+    }
 }

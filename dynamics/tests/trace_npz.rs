@@ -182,6 +182,19 @@ fn units_name_arrays() {
         "joint_q_at",
         "joint_v_at",
         "dof_name",
+        "character_name",
+        "joint_class",
+        "limit_axes",
+        "shape_link",
+        "shape_type",
+        "site_name",
+        "site_link",
+        "contact_site",
+        "limb_name",
+        "limb_kind",
+        "limb_links",
+        "part_name",
+        "part_links",
     ];
     for name in names.iter().filter(|n| !unitless.contains(&n.as_str())) {
         assert!(listed.contains(&name), "{name} has no unit");

@@ -1,19 +1,19 @@
 //! Joint angles asked for against joint angles performed, as small multiples.
 //!
-//! In: a [`Trace`]. Out: a page with a panel per joint, degrees (slides in cm). Hinges show their
+//! In: a [`Trace`](dynamics::Trace). Out: a page with a panel per joint, degrees (slides in cm). Hinges show their
 //! angle; limited balls their anatomical coordinates [`BallLimits::coords`]; other balls Euler angles
 //! Y, Z, X. Of the many triples that name one rotation, each row shows the one nearest to the row
 //! before (for the motion performed: nearest to the one asked for), so that curves do not jump by turns.
 
 use std::f64::consts::{PI, TAU};
 
-use dynamics::Trace;
 use motion::rotation::log;
 use motion::{BallLimits, EulerOrder, Joint, Limits, Link, Range, Vec3};
 
-use crate::columns::{TIME, WIDTH, axis_name, empty_page, joints, rows};
+use crate::columns::{TIME, WIDTH, axis_name, empty_page, rows};
+use crate::excerpt::Excerpt;
 use crate::figure::Figure;
-use crate::panel::{Guide, Key, Panel, Series, Stroke, page};
+use crate::panel::{Clock, Guide, Key, Panel, Series, Stroke, page};
 use crate::style::{self, Color, INK, REFERENCE};
 
 /// Joints shown.
@@ -26,11 +26,13 @@ const JUMP: f64 = 60.0;
 pub(crate) const COLORS: [Color; 3] = [style::BLUE, style::VERMILION, style::GREEN];
 
 /// Angles of the joints that move most: asked for dashed, performed solid, limits in grey where near.
-pub fn joint_angles(trace: &Trace, note: &str) -> Figure {
-    let title = "Joint angles: asked for and performed";
-    let skeleton = &trace.character.skeleton;
+pub fn joint_angles<'a>(trace: impl Into<Excerpt<'a>>, note: &str) -> Figure {
+    let trace = &trace.into();
+    let [asked, performed] = trace.names();
+    let title = &format!("Joint angles: {asked} and {performed}");
     let rows = rows(trace);
-    let mut moving: Vec<(usize, f64)> = joints(skeleton).map(|l| (l, travel(trace, l, rows))).collect();
+    let mut moving: Vec<(usize, f64)> =
+        trace.joints().into_iter().map(|l| (l, travel(trace, l, rows))).collect();
     if rows == 0 || moving.is_empty() {
         let why = if rows == 0 { "the trace has no rows" } else { "the body has no joints" };
         return empty_page(title, note, why);
@@ -44,8 +46,8 @@ pub fn joint_angles(trace: &Trace, note: &str) -> Figure {
         _ => note.to_owned(),
     };
     let keys = [
-        Key::line("performed", INK),
-        Key::dashed("asked for", INK),
+        Key::line(performed, INK),
+        Key::dashed(asked, INK),
         Key::line("limit, in the tint of its curve", REFERENCE),
     ];
     let columns = if moving.len() > 4 { 3 } else { 2 };
@@ -60,7 +62,7 @@ pub(crate) fn label_time(panels: &mut [Panel], columns: usize) {
     panels[first..].iter_mut().for_each(|p| p.x_label = TIME.to_owned());
 }
 
-fn panel(trace: &Trace, link: usize, rows: usize) -> Panel {
+fn panel(trace: &Excerpt, link: usize, rows: usize) -> Panel {
     let l = &trace.character.skeleton.links()[link];
     let coordinates = Coordinates::of(l);
     let mut asked: Vec<Vec3> = Vec::with_capacity(rows);
@@ -88,7 +90,7 @@ fn panel(trace: &Trace, link: usize, rows: usize) -> Panel {
     for (k, color) in COLORS.iter().enumerate().take(names.len()) {
         let curve = |of: &[Vec3], color| {
             let values: Vec<f64> = of.iter().map(|v| v[k] * scale).collect();
-            Series { points: unbroken(trace.rate_hz, &values), ..Series::over_time(1.0, [], color) }
+            Series { points: unbroken(trace.clock(), &values), ..Series::over_time(trace.clock(), [], color) }
         };
         panel.series.push(curve(&performed, *color));
         panel.series.push(curve(&asked, color.mix(INK, 0.5)).dashed().wide(1.3));
@@ -106,19 +108,19 @@ fn panel(trace: &Trace, link: usize, rows: usize) -> Panel {
 }
 
 /// Points over time, broken where a coordinate passes a pole.
-fn unbroken(rate_hz: f64, values: &[f64]) -> Vec<[f64; 2]> {
+fn unbroken(clock: Clock, values: &[f64]) -> Vec<[f64; 2]> {
     let mut out = Vec::with_capacity(values.len());
     for (i, &y) in values.iter().enumerate() {
         if i > 0 && (y - values[i - 1]).abs() > JUMP {
-            out.push([i as f64 / rate_hz, f64::NAN]);
+            out.push([clock.at(i), f64::NAN]);
         }
-        out.push([i as f64 / rate_hz, y]);
+        out.push([clock.at(i), y]);
     }
     out
 }
 
 /// Largest distance from the first pose asked for, rad or m.
-fn travel(trace: &Trace, link: usize, rows: usize) -> f64 {
+fn travel(trace: &Excerpt, link: usize, rows: usize) -> f64 {
     let skeleton = &trace.character.skeleton;
     let at = skeleton.q_at(link);
     let distance = |a: &[f64], b: &[f64]| match skeleton.links()[link].joint {
@@ -171,7 +173,7 @@ impl<'a> Coordinates<'a> {
     }
 
     /// Coordinates of a pose, rad or m: of all that name the same pose, those nearest to `reference`.
-    fn nearest(&self, trace: &Trace, q: &[f64], link: usize, reference: Option<Vec3>) -> Vec3 {
+    fn nearest(&self, trace: &Excerpt, q: &[f64], link: usize, reference: Option<Vec3>) -> Vec3 {
         let skeleton = &trace.character.skeleton;
         let (first, second) = match self {
             Self::Hinge(_) | Self::Slide(_) => {

@@ -1,17 +1,19 @@
 //! Centre of mass over the support.
 //!
-//! In: a [`Trace`]. Out: a page with the paths of the centre of mass and of the centre of pressure seen
+//! In: a [`Trace`](dynamics::Trace). Out: a page with the paths of the centre of mass and of the centre of pressure seen
 //! from above, over the hull of the points that carry the body at the start; beside it the margin of the
 //! centre of mass in the support of each moment, and its height.
 //!
 //! Seen from above with forward (+z) up, the character's left (+x) is on the left: the horizontal axis
 //! is −x. The margin is that of [`motion::Support`]: positive inside, negative outside.
 
-use dynamics::Trace;
+use std::collections::BTreeMap;
+
 use motion::support::{Vec2, ground};
 use motion::{Kinematics, Support, Vec3};
 
 use crate::columns::{TIME, WIDTH, empty_page, rows, vectors, weight};
+use crate::excerpt::Excerpt;
 use crate::figure::Figure;
 use crate::gains::zero;
 use crate::panel::{Key, Panel, Series, Stroke, header, place};
@@ -21,10 +23,13 @@ use crate::style::{self, BLUE, Color, GRID, INK, MARGIN, VERMILION};
 const LOADED: f64 = 0.05;
 /// Height over the ground up to which a contact point counts as standing when no force tells, m.
 const STANDING: f64 = 0.03;
+/// Footprints drawn.
+const MOST_PRINTS: usize = 200;
 const SOLE: Color = Color(202, 209, 217);
 
 /// Centre of mass and centre of pressure over the support, margin and height over time.
-pub fn center_of_mass(trace: &Trace, note: &str) -> Figure {
+pub fn center_of_mass<'a>(trace: impl Into<Excerpt<'a>>, note: &str) -> Figure {
+    let trace = &trace.into();
     let title = "Centre of mass and support";
     let com = vectors(&trace.com, 3, 0);
     let rows = rows(trace).min(com.len());
@@ -36,7 +41,7 @@ pub fn center_of_mass(trace: &Trace, note: &str) -> Figure {
         Key::line("centre of mass", BLUE),
         Key::line("centre of pressure", VERMILION),
         Key::area("support at the start", GRID),
-        Key::area("each foot", SOLE),
+        Key::area("each foot, each time it stands", SOLE),
         Key::dot("start", INK),
     ];
     let (width, height, gap) = (WIDTH, 620.0, 24.0);
@@ -58,7 +63,7 @@ fn seen(p: &Vec2) -> [f64; 2] {
     [-100.0 * p.x, 100.0 * p.y]
 }
 
-fn from_above(trace: &Trace, com: &[Vec3]) -> Panel {
+fn from_above(trace: &Excerpt, com: &[Vec3]) -> Panel {
     let path: Vec<[f64; 2]> = com.iter().map(|p| seen(&ground(p))).collect();
     let weight = weight(trace);
     let mut load = vec![0.0; com.len()];
@@ -71,7 +76,7 @@ fn from_above(trace: &Trace, com: &[Vec3]) -> Panel {
             _ => [f64::NAN; 2],
         })
         .collect();
-    let (whole, feet) = start_support(trace);
+    let (whole, feet) = supports_and_footprints(trace);
     let corners = |s: &Support| -> Vec<[f64; 2]> { s.corners().iter().map(seen).collect() };
     let mut areas = vec![(corners(&whole), GRID)];
     areas.extend(feet.iter().map(|f| (corners(f), SOLE)));
@@ -96,12 +101,32 @@ fn from_above(trace: &Trace, com: &[Vec3]) -> Panel {
     }
 }
 
-/// Hull of all points that carry the body at the start, and of each link's own.
-fn start_support(trace: &Trace) -> (Support, Vec<Support>) {
+/// Hull of all points that carry the body at the start, and the footprints: of each link that stands, and
+/// each time it does, the hull of its points in the middle of that time.
+fn supports_and_footprints(trace: &Excerpt) -> (Support, Vec<Support>) {
+    let Some(first) = trace.contacts.first() else { return standing(trace) };
+    let start = trace.contacts.iter().take_while(|c| c.row == first.row).map(|c| &c.point);
+    let whole = Support::of(start);
+    let mut by_link: BTreeMap<usize, Vec<usize>> = BTreeMap::new();
+    for (i, c) in trace.contacts.iter().enumerate() {
+        by_link.entry(c.link).or_default().push(i);
+    }
+    let mut prints = Vec::new();
+    for contacts in by_link.values() {
+        for stance in contacts.chunk_by(|a, b| trace.contacts[*b].row <= trace.contacts[*a].row + 1) {
+            let row = trace.contacts[stance[stance.len() / 2]].row;
+            let middle = stance.iter().map(|i| &trace.contacts[*i]).filter(|c| c.row == row);
+            prints.push(Support::of(middle.map(|c| &c.point)));
+        }
+    }
+    prints.truncate(MOST_PRINTS);
+    (whole, prints)
+}
+
+/// Support and footprints of the first pose, where no force tells.
+fn standing(trace: &Excerpt) -> (Support, Vec<Support>) {
     let mut points: Vec<(usize, Vec3)> = Vec::new();
-    if let Some(first) = trace.contacts.first() {
-        points.extend(trace.contacts.iter().take_while(|c| c.row == first.row).map(|c| (c.link, c.point)));
-    } else if let Some(level) = trace.ground_m {
+    if let Some(level) = trace.ground_m {
         let skeleton = &trace.character.skeleton;
         let kinematics = Kinematics::new(skeleton, trace.pose(0));
         let sites = trace.character.contacts.iter().map(|&c| &skeleton.sites()[c]);
@@ -116,7 +141,7 @@ fn start_support(trace: &Trace) -> (Support, Vec<Support>) {
 }
 
 /// Support of each row: the hull of its contacts.
-fn supports(trace: &Trace, rows: usize) -> Vec<Support> {
+fn supports(trace: &Excerpt, rows: usize) -> Vec<Support> {
     let mut points: Vec<Vec<Vec2>> = vec![Vec::new(); rows];
     for c in trace.contacts.iter().filter(|c| c.row < rows) {
         points[c.row].push(ground(&c.point));
@@ -124,20 +149,20 @@ fn supports(trace: &Trace, rows: usize) -> Vec<Support> {
     points.into_iter().map(Support::of_plane).collect()
 }
 
-fn margin(trace: &Trace, com: &[Vec3], supports: &[Support]) -> Panel {
+fn margin(trace: &Excerpt, com: &[Vec3], supports: &[Support]) -> Panel {
     let inside = |(p, s): (&Vec3, &Support)| 1e3 * s.margin(&ground(p));
     // in the air there is no margin: −∞ breaks the curve
     let values: Vec<f64> = com.iter().zip(supports).map(inside).collect();
     let least = values.iter().copied().filter(|m| m.is_finite()).fold(f64::INFINITY, f64::min);
     let mut panel = Panel {
-        title: format!("margin of the centre of mass inside the support · least {least:.0} mm"),
+        title: format!("margin of the centre of mass inside the support · least {} mm", minus(least)),
         y_label: "mm".into(),
         guides: vec![zero(true)],
         least_span: 20.0,
         ..Panel::default()
     };
     if least.is_finite() {
-        panel.series = vec![Series::over_time(trace.rate_hz, values, BLUE)];
+        panel.series = vec![Series::over_time(trace.clock(), values, BLUE)];
     } else {
         panel.title = "margin of the centre of mass inside the support".into();
         panel.message = match trace.ground_m {
@@ -148,14 +173,19 @@ fn margin(trace: &Trace, com: &[Vec3], supports: &[Support]) -> Panel {
     panel
 }
 
-fn com_height(trace: &Trace, com: &[Vec3]) -> Panel {
+/// Whole millimetres with a true minus sign.
+fn minus(mm: f64) -> String {
+    format!("{mm:.0}").replace('-', "\u{2212}")
+}
+
+fn com_height(trace: &Excerpt, com: &[Vec3]) -> Panel {
     let level = trace.ground_m.unwrap_or(0.0);
     let over = if trace.ground_m.is_some() { "over the ground" } else { "over y = 0" };
     Panel {
         title: format!("height of the centre of mass {over}"),
         x_label: TIME.into(),
         y_label: "cm".into(),
-        series: vec![Series::over_time(trace.rate_hz, com.iter().map(|p| 100.0 * (p.y - level)), BLUE)],
+        series: vec![Series::over_time(trace.clock(), com.iter().map(|p| 100.0 * (p.y - level)), BLUE)],
         least_span: 2.0,
         ..Panel::default()
     }

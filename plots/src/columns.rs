@@ -57,3 +57,15 @@ pub fn rms<'a>(vectors: impl IntoIterator<Item = &'a Vec3>) -> f64 {
         .fold((0.0, 0.0), |(s, n), v| (s + v.norm_squared(), n + 1.0));
     if n > 0.0 { f64::sqrt(sum / n) } else { 0.0 }
 }
+
+/// Three significant digits.
+pub fn short(x: f64) -> String {
+    match x.abs() {
+        0.0 => "0".into(),
+        a if a < 1e-3 => format!("{x:.1e}"),
+        a if a < 1.0 => format!("{x:.3}"),
+        a if a < 10.0 => format!("{x:.2}"),
+        a if a < 100.0 => format!("{x:.1}"),
+        _ => format!("{x:.0}"),
+    }
+}

@@ -1,13 +1,13 @@
 //! Contact forces per foot and in total, against body weight.
 //!
-//! In: a [`Trace`]. Out: a page with vertical force, horizontal force and friction used over time. Forces
+//! In: a [`Trace`](dynamics::Trace). Out: a page with vertical force, horizontal force and friction used over time. Forces
 //! are means over a control step; a foot is every link at or below the end of a leg.
 
-use dynamics::Trace;
 use motion::Vec3;
 
 use crate::angles::label_time;
 use crate::columns::{WIDTH, empty_page, rows, weight};
+use crate::excerpt::Excerpt;
 use crate::figure::Figure;
 use crate::gains::zero;
 use crate::panel::{Guide, Key, Panel, Series, Stroke, page};
@@ -17,7 +17,8 @@ use crate::style::{BLUE, Color, GREEN, INK, PURPLE, REFERENCE, VERMILION};
 const LOADED: f64 = 0.05;
 
 /// Vertical and horizontal ground forces per foot and in total.
-pub fn contact_forces(trace: &Trace, note: &str) -> Figure {
+pub fn contact_forces<'a>(trace: impl Into<Excerpt<'a>>, note: &str) -> Figure {
+    let trace = &trace.into();
     let title = "Contact forces";
     let rows = rows(trace);
     if trace.ground_m.is_none() {
@@ -35,14 +36,14 @@ pub fn contact_forces(trace: &Trace, note: &str) -> Figure {
     }
     let all = |f: fn(&Vec3) -> f64, with_total: bool| -> Vec<Series> {
         let sum = with_total && parts.len() > 1;
-        let of = |forces: &[Vec3], color| Series::over_time(trace.rate_hz, after_start(forces, f), color);
+        let of = |forces: &[Vec3], color| Series::over_time(trace.clock(), after_start(forces, f), color);
         let sum = sum.then(|| of(&total, INK).wide(1.3));
         sum.into_iter().chain(parts.iter().map(|p| of(&p.forces, p.color))).collect()
     };
     let horizontal = |f: &Vec3| f.x.hypot(f.z);
     let friction = parts.iter().map(|p| {
         let used = |f: &Vec3| if f.y > LOADED * weight { f.x.hypot(f.z) / f.y } else { f64::NAN };
-        Series::over_time(trace.rate_hz, after_start(&p.forces, used), p.color)
+        Series::over_time(trace.clock(), after_start(&p.forces, used), p.color)
     });
     let mean = total[1.min(rows)..].iter().map(|f| f.y).sum::<f64>() / rows.saturating_sub(1).max(1) as f64;
     let mut panels = [
@@ -96,7 +97,7 @@ struct Part {
 }
 
 /// Feet first, then whatever else touched, most pressed first; the fourth on are one.
-fn parts(trace: &Trace, rows: usize) -> Vec<Part> {
+fn parts(trace: &Excerpt, rows: usize) -> Vec<Part> {
     let skeleton = &trace.character.skeleton;
     let links = skeleton.links();
     let owner: Vec<usize> = (0..links.len())

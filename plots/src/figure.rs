@@ -263,20 +263,35 @@ impl Figure {
     /// # Errors
     /// `Io` or `Draw`; earlier files stay whole.
     pub fn save(&self, dir: &Path, stem: &str) -> Result<[PathBuf; 2], FigureError> {
-        let svg = dir.join(format!("{stem}.svg"));
-        let temporary = dir.join(format!(".{stem}.tmp.svg"));
-        let written = std::fs::write(&temporary, self.svg()?);
-        replace(&temporary, &svg, written.map_err(|source| FigureError::Io { path: svg.clone(), source }))?;
+        let paths = ["svg", "png"].map(|kind| dir.join(format!("{stem}.{kind}")));
+        self.save_svg(&paths[0])?;
+        self.save_png(&paths[1])?;
+        Ok(paths)
+    }
 
-        let png = dir.join(format!("{stem}.png"));
-        let temporary = dir.join(format!(".{stem}.tmp.png"));
+    /// Writes the figure as SVG, under a temporary name first.
+    ///
+    /// # Errors
+    /// `Io` or `Draw`; an earlier file stays whole.
+    pub fn save_svg(&self, path: &Path) -> Result<(), FigureError> {
+        let temporary = temporary(path);
+        let written = std::fs::write(&temporary, self.svg()?);
+        let io = |source| FigureError::Io { path: path.to_owned(), source };
+        replace(&temporary, path, written.map_err(io))
+    }
+
+    /// Writes the figure as PNG, under a temporary name first.
+    ///
+    /// # Errors
+    /// `Io` or `Draw`; an earlier file stays whole.
+    pub fn save_png(&self, path: &Path) -> Result<(), FigureError> {
+        let temporary = temporary(path);
         let (pixels, size) = (self.pixels()?, (self.width as u32, self.height as u32));
         let mut backend = BitMapBackend::new(&temporary, size);
         let written = backend.blit_bitmap((0, 0), size, &pixels).and_then(|()| backend.present());
         // a backend that is dropped unsaved saves again: drop it before the file moves
         drop(backend);
-        replace(&temporary, &png, written.map_err(|e| draw_error(&png, e)))?;
-        Ok([svg, png])
+        replace(&temporary, path, written.map_err(|e| draw_error(path, e)))
     }
 
     fn fine_size(&self) -> (u32, u32) {
@@ -379,6 +394,13 @@ fn bounds_of(points: &[Px], pad: f64) -> [f64; 4] {
 /// plotters does not name its error type in public, so errors travel as text.
 fn said(e: impl std::fmt::Display) -> String {
     e.to_string()
+}
+
+/// A hidden name beside a file, of the same kind: the encoder goes by the ending.
+fn temporary(path: &Path) -> PathBuf {
+    let stem = path.file_stem().unwrap_or_default().to_string_lossy();
+    let kind = path.extension().unwrap_or_default().to_string_lossy();
+    path.with_file_name(format!(".{stem}.tmp.{kind}"))
 }
 
 fn draw_error(path: &Path, e: impl std::fmt::Display) -> FigureError {

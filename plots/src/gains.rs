@@ -1,6 +1,6 @@
 //! Gains and torques of the joints that work hardest.
 //!
-//! In: a [`Trace`]. Out: a page with two panels per joint: the gains of the springs towards the lower
+//! In: a [`Trace`](dynamics::Trace). Out: a page with two panels per joint: the gains of the springs towards the lower
 //! and the upper set point (N·m/rad), and the torque (N·m), both about the axis that bears the largest
 //! torque.
 //!
@@ -8,12 +8,12 @@
 //! both are about the anatomical ones: the two swing axes, and the twist axis turned by the swing. A ball
 //! without limits has x, y and z for them.
 
-use dynamics::Trace;
 use motion::rotation::exp;
 use motion::{BallLimits, Joint, Limits, Range, Vec3};
 
 use crate::angles::{ball_axes, label_time};
-use crate::columns::{empty_page, joints, rows};
+use crate::columns::{empty_page, rows};
+use crate::excerpt::Excerpt;
 use crate::figure::Figure;
 use crate::panel::{Guide, Key, Panel, Series, Stroke, page};
 use crate::style::{BLUE, INK, REFERENCE, VERMILION};
@@ -24,12 +24,13 @@ const MOST: usize = 8;
 const COLUMNS: usize = 4;
 
 /// Gains and torque over time of the joints with the largest torques.
-pub fn gains_and_torques(trace: &Trace, note: &str) -> Figure {
+pub fn gains_and_torques<'a>(trace: impl Into<Excerpt<'a>>, note: &str) -> Figure {
+    let trace = &trace.into();
     let title = "Gains and torques";
     let skeleton = &trace.character.skeleton;
     let cells = [&trace.torque, &trace.k_lo, &trace.k_hi].into_iter().map(Vec::len).min().unwrap_or(0);
     let rows = rows(trace).min(cells / skeleton.nv().max(1));
-    let mut working: Vec<Working> = joints(skeleton).map(|l| Working::of(trace, l, rows)).collect();
+    let mut working: Vec<Working> = trace.joints().into_iter().map(|l| Working::of(trace, l, rows)).collect();
     if rows == 0 || working.is_empty() {
         let why = if rows == 0 { "the trace has no rows" } else { "the body has no joints" };
         return empty_page(title, note, why);
@@ -65,7 +66,7 @@ struct Working {
 }
 
 impl Working {
-    fn of(trace: &Trace, link: usize, rows: usize) -> Self {
+    fn of(trace: &Excerpt, link: usize, rows: usize) -> Self {
         let skeleton = &trace.character.skeleton;
         let l = &skeleton.links()[link];
         let (nv, at) = (skeleton.nv(), skeleton.v_at(link));
@@ -96,7 +97,7 @@ impl Working {
         Self { link, axis, name, peak: peak(&torque), torque }
     }
 
-    fn panels(&self, trace: &Trace) -> [Panel; 2] {
+    fn panels(&self, trace: &Excerpt) -> [Panel; 2] {
         let skeleton = &trace.character.skeleton;
         let link = &skeleton.links()[self.link];
         let (nv, cell) = (skeleton.nv(), skeleton.v_at(self.link) + self.axis);
@@ -111,8 +112,8 @@ impl Working {
             title: link.name.clone(),
             y_label: if slide { "N/m" } else { "N·m/rad" }.into(),
             series: vec![
-                Series::over_time(trace.rate_hz, column(&trace.k_lo), BLUE),
-                Series::over_time(trace.rate_hz, column(&trace.k_hi), VERMILION),
+                Series::over_time(trace.clock(), column(&trace.k_lo), BLUE),
+                Series::over_time(trace.clock(), column(&trace.k_hi), VERMILION),
             ],
             guides: vec![zero(true)],
             least_span: 10.0,
@@ -122,7 +123,7 @@ impl Working {
         let torque = Panel {
             title: link.name.clone(),
             y_label: if slide { "N" } else { "N·m" }.into(),
-            series: vec![Series::over_time(trace.rate_hz, torque, INK)],
+            series: vec![Series::over_time(trace.clock(), torque, INK)],
             guides: vec![zero(true)],
             least_span: 2.0,
             tags: vec![(format!("about {}", self.name), INK)],

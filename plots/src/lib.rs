@@ -11,8 +11,14 @@
 //! | [`angles`] | joint angles asked for against performed |
 //! | [`gains`] | gains and torques of the joints that work hardest |
 //! | [`contacts`] | ground forces per foot, in total, against body weight |
+//! | [`overlay`] | ground forces required, given and measured, over each other |
 //! | [`balance`] | centre of mass over the support |
 //! | [`residual`] | momentum that neither gravity nor contacts explain |
+//! | [`graded`] | residual force and moment against OpenSim's guideline |
+//! | [`momentum`] | linear and angular momentum |
+//! | [`torque`] | torques of the joints that work hardest, over their noise |
+//! | [`energy`] | energies, and the power of the joints |
+//! | [`excerpt`] | a span of a trace, chosen joints |
 //! | [`camera`], [`solid`] | who looks at them, and how shapes become polygons |
 //! | [`panel`] | axes, curves, legends, pages of small multiples |
 //! | [`figure`] | a page as a list of marks; SVG and PNG |
@@ -25,19 +31,31 @@ pub mod balance;
 pub mod camera;
 mod columns;
 pub mod contacts;
+pub mod energy;
+pub mod excerpt;
 pub mod figure;
 pub mod gains;
+pub mod graded;
+pub mod momentum;
+pub mod overlay;
 pub mod panel;
 pub mod residual;
 pub mod solid;
 pub mod strip;
 pub mod style;
+pub mod torque;
 
 pub use angles::joint_angles;
 pub use balance::center_of_mass;
 pub use camera::Camera;
 pub use contacts::contact_forces;
+pub use energy::energies;
+pub use excerpt::Excerpt;
 pub use figure::{Figure, FigureError};
 pub use gains::gains_and_torques;
+pub use graded::graded_residual;
+pub use momentum::momenta;
+pub use overlay::{Witness, WitnessKind, contact_overlay};
 pub use residual::momentum_residual;
 pub use strip::{StripOptions, StripRow, film_strip, film_strip_with};
+pub use torque::joint_torques;

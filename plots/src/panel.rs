@@ -28,10 +28,26 @@ pub struct Series {
     pub stroke: Stroke,
 }
 
+/// Time of the rows of a table.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Clock {
+    /// Rows per second, Hz.
+    pub rate_hz: f64,
+    /// Time of the first row, s.
+    pub start_s: f64,
+}
+
+impl Clock {
+    /// Time of a row, s.
+    pub fn at(&self, row: usize) -> f64 {
+        self.start_s + row as f64 / self.rate_hz
+    }
+}
+
 impl Series {
     /// A solid curve over time, one value per row.
-    pub fn over_time(rate_hz: f64, values: impl IntoIterator<Item = f64>, color: Color) -> Self {
-        let points = values.into_iter().enumerate().map(|(i, y)| [i as f64 / rate_hz, y]).collect();
+    pub fn over_time(clock: Clock, values: impl IntoIterator<Item = f64>, color: Color) -> Self {
+        let points = values.into_iter().enumerate().map(|(i, y)| [clock.at(i), y]).collect();
         Self { points, color, width: style::LINE, stroke: Stroke::Solid }
     }
 
@@ -86,8 +102,23 @@ pub struct Panel {
     pub degrees: bool,
     /// Names of the curves in their colours, on the right of the title.
     pub tags: Vec<(String, Color)>,
+    /// Horizontal bands behind the curves, as far as the axis reaches.
+    pub bands: Vec<Band>,
+    /// The vertical axis goes no higher, whatever the curves do; they are cut there.
+    pub ceiling: Option<f64>,
     /// Stands in the middle of an empty frame: why there is nothing to see.
     pub message: String,
+}
+
+/// A range of values with a meaning.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Band {
+    /// Lower end, data units.
+    pub from: f64,
+    /// Upper end; may be infinite.
+    pub to: f64,
+    /// Colour; a legend says what it means.
+    pub color: Color,
 }
 
 /// One line of a legend.
@@ -248,6 +279,7 @@ impl Scale {
         let curves = panel.series.iter().flat_map(|s| &s.points).chain(panel.areas.iter().flat_map(|a| &a.0));
         let values = curves.map(|p| p[1]).chain(panel.dots.iter().map(|d| d.0[1]));
         let guides = panel.guides.iter().filter(|g| g.always).map(|g| g.y);
+        let values = values.map(|y| panel.ceiling.map_or(y, |most| y.min(most)));
         let y = span(values.chain(guides), panel.least_span.max(1e-9));
         let step = step(y[1] - y[0], (height / 42.0).max(2.0), panel.degrees);
         Self { y, ticks: ticks(y, step), step }
@@ -281,6 +313,13 @@ impl Panel {
         let (right, bottom) = (frame.at[0] + w, frame.at[1] + h);
 
         let empty = !self.message.is_empty();
+        for band in self.bands.iter().filter(|_| !empty) {
+            let (from, to) = (band.from.max(scale.y[0]), band.to.min(scale.y[1]));
+            if from < to {
+                let (low, high) = (px(&[0.0, from])[1], px(&[0.0, to])[1]);
+                figure.rectangle([frame.at[0], high], [w, low - high], band.color);
+            }
+        }
         for &t in scale.ticks.iter().filter(|_| !empty) {
             let y = px(&[0.0, t])[1];
             figure.line(vec![[frame.at[0], y], [right, y]], style::GRID, THIN);
@@ -309,7 +348,15 @@ impl Panel {
             }
         }
         for series in &self.series {
-            for run in series.points.split(|p| !p[0].is_finite() || !p[1].is_finite()) {
+            let cut;
+            let points = match self.ceiling {
+                Some(_) => {
+                    cut = below(&series.points, scale.y[1]);
+                    &cut
+                }
+                None => &series.points,
+            };
+            for run in points.split(|p| !p[0].is_finite() || !p[1].is_finite()) {
                 let points = simplify(&thin(run.iter().map(px).collect()), FLAT);
                 match series.stroke {
                     Stroke::Solid => figure.line(points, series.color, series.width),
@@ -350,6 +397,23 @@ impl Panel {
             figure.upward(self.y_label.as_str(), at, LABEL, style::INK);
         }
     }
+}
+
+/// What of a curve lies at or below a height, broken where it leaves.
+fn below(points: &[[f64; 2]], most: f64) -> Vec<[f64; 2]> {
+    let mut out: Vec<[f64; 2]> = Vec::with_capacity(points.len());
+    for (i, p) in points.iter().enumerate() {
+        if let Some(before) = i.checked_sub(1).map(|j| points[j])
+            && (before[1] > most) != (p[1] > most)
+            && before[1].is_finite()
+            && p[1].is_finite()
+        {
+            let s = (most - before[1]) / (p[1] - before[1]);
+            out.push([before[0] + s * (p[0] - before[0]), most]);
+        }
+        out.push(if p[1] > most { [p[0], f64::NAN] } else { *p });
+    }
+    out
 }
 
 /// Least and greatest finite value; `[0, 1]` without any.

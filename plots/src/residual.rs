@@ -1,15 +1,16 @@
 //! What neither gravity nor contacts explain.
 //!
-//! In: a [`Trace`]. Out: a page with `d(momentum)/dt − m g − Σ contacts` over time, N and % of body
+//! In: a [`Trace`](dynamics::Trace). Out: a page with `d(momentum)/dt − m g − Σ contacts` over time, N and % of body
 //! weight, and the moment of that kind about the centre of mass. Of a free root it is the error of the
 //! integrator. Of a held one it is what holds it: then the recorded wrench of the holder follows, and
 //! what is left after it.
 
-use dynamics::{RootMode, Trace};
+use dynamics::RootMode;
 use motion::Vec3;
 
 use crate::angles::{COLORS, label_time};
-use crate::columns::{WIDTH, empty_page, rms, rows, vectors, weight};
+use crate::columns::{WIDTH, empty_page, rms, rows, short, vectors, weight};
+use crate::excerpt::Excerpt;
 use crate::figure::Figure;
 use crate::gains::zero;
 use crate::panel::{Key, Panel, Series, page};
@@ -19,7 +20,8 @@ use crate::style::INK;
 const LEAST: f64 = 0.01;
 
 /// Rate of momentum that neither gravity nor contacts explain; with the root's wrench when it is held.
-pub fn momentum_residual(trace: &Trace, note: &str) -> Figure {
+pub fn momentum_residual<'a>(trace: impl Into<Excerpt<'a>>, note: &str) -> Figure {
+    let trace = &trace.into();
     let title = "Momentum not explained by gravity and contacts";
     let (force, moment) = unexplained(trace);
     if force.is_empty() {
@@ -49,7 +51,7 @@ pub fn momentum_residual(trace: &Trace, note: &str) -> Figure {
         Panel {
             title: "its magnitude".into(),
             y_label: "% of body weight".into(),
-            series: vec![Series::over_time(trace.rate_hz, from_first(percent), INK)],
+            series: vec![Series::over_time(trace.clock(), from_first(percent), INK)],
             guides: vec![zero(true)],
             least_span: 100.0 * LEAST,
             ..Panel::default()
@@ -79,7 +81,7 @@ pub fn momentum_residual(trace: &Trace, note: &str) -> Figure {
 }
 
 /// Panels of the wrench that holds the root.
-fn held(trace: &Trace, force: &[Vec3], weight: f64, least: f64) -> Vec<Panel> {
+fn held(trace: &Excerpt, force: &[Vec3], weight: f64, least: f64) -> Vec<Panel> {
     let wrench = vectors(&trace.root_wrench, 6, 0);
     let moment = vectors(&trace.root_wrench, 6, 3);
     let after = |v: &[Vec3]| v.get(1..).map(<[Vec3]>::to_vec).unwrap_or_default();
@@ -106,7 +108,7 @@ fn held(trace: &Trace, force: &[Vec3], weight: f64, least: f64) -> Vec<Panel> {
 
 /// Force, and moment about the centre of mass, that neither gravity nor contacts explain, for the rows
 /// from 1 on.
-pub fn unexplained(trace: &Trace) -> (Vec<Vec3>, Vec<Vec3>) {
+pub fn unexplained(trace: &Excerpt) -> (Vec<Vec3>, Vec<Vec3>) {
     let (linear, angular) = (vectors(&trace.momentum, 6, 0), vectors(&trace.momentum, 6, 3));
     let com = vectors(&trace.com, 3, 0);
     let rows = rows(trace).min(linear.len()).min(com.len());
@@ -124,9 +126,9 @@ pub fn unexplained(trace: &Trace) -> (Vec<Vec3>, Vec<Vec3>) {
     (force, moment)
 }
 
-fn curves(trace: &Trace, of: &[Vec3], title: String, unit: &str, least_span: f64) -> Panel {
+fn curves(trace: &Excerpt, of: &[Vec3], title: String, unit: &str, least_span: f64) -> Panel {
     let component =
-        |k: usize| Series::over_time(trace.rate_hz, from_first(of.iter().map(|v| v[k])), COLORS[k]);
+        |k: usize| Series::over_time(trace.clock(), from_first(of.iter().map(|v| v[k])), COLORS[k]);
     Panel {
         title,
         y_label: unit.into(),
@@ -151,16 +153,4 @@ fn sizes(of: &[Vec3], unit: &str, weight: f64) -> String {
         String::new()
     };
     format!("RMS {} {unit}, peak {} {unit}{share}", short(rms), short(peak))
-}
-
-/// Three significant digits.
-fn short(x: f64) -> String {
-    match x.abs() {
-        0.0 => "0".into(),
-        a if a < 1e-3 => format!("{x:.1e}"),
-        a if a < 1.0 => format!("{x:.3}"),
-        a if a < 10.0 => format!("{x:.2}"),
-        a if a < 100.0 => format!("{x:.1}"),
-        _ => format!("{x:.0}"),
-    }
 }

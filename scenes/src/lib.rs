@@ -12,6 +12,8 @@
 //! | [`inspect`] | what is in a file |
 //! | [`overrides`] | numbers of the dynamic pass given beside the file |
 //! | [`report`] | the numbers of a run |
+//! | [`study`] | a trace, clip or scene to be analysed and drawn |
+//! | [`study_report`] | the numbers of an analysis |
 //! | [`character_file`] | characters as RON |
 //! | [`angle`] | joint values in degrees |
 //! | [`error`] | errors with file, line and column |
@@ -27,12 +29,18 @@ pub mod scene;
 pub mod schema;
 pub mod source_map;
 pub mod stage;
+pub mod study;
+pub mod study_report;
 
 pub use angle::Angle;
-pub use dynamics::{RootMode, Trace};
+pub use dynamics::analysis::Residual;
+pub use dynamics::{Analysis, Character, RootMode, Trace};
+pub use dynamics::{analysis_files, ground_forces};
 pub use error::{SceneError, Source};
 pub use overrides::Overrides;
 pub use report::Report;
 pub use scene::Scene;
 pub use sim::Outcome;
 pub use stage::{Stage, StageError, open, open_with};
+pub use study::{Study, StudyError, StudyOptions, StudySource};
+pub use study_report::AnalysisReport;

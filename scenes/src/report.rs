@@ -59,7 +59,7 @@ pub struct ClipReport {
 }
 
 impl ClipReport {
-    fn new(source: &ClipSource) -> Self {
+    pub(crate) fn new(source: &ClipSource) -> Self {
         let import = &source.import;
         Self {
             metres_per_unit: import.units.metres_per_unit,
@@ -374,37 +374,10 @@ pub(crate) fn root_name(mode: RootMode) -> &'static str {
     }
 }
 
-/// What neither gravity nor contacts explain: force and moment about the root's origin per row, from
-/// differences of the recorded momentum. For a free root it is the rounding of the integrator.
-fn residual(t: &Trace, mass: f64) -> Vec<(Vec3, Vec3)> {
-    let momentum = |row: usize, at: usize| motion::skeleton::vec_at(&t.momentum, 6 * row + at);
-    let mut out = vec![(Vec3::zeros(), Vec3::zeros()); t.rows()];
-    for row in 1..t.rows() {
-        let change = |at: usize| (momentum(row, at) - momentum(row - 1, at)) * t.rate_hz;
-        out[row] = (change(0) - t.gravity * mass, change(3));
-    }
-    for c in t.contacts.iter().filter(|c| c.row > 0) {
-        let (force, moment) = &mut out[c.row];
-        *force -= c.force;
-        *moment -= (c.point - t.com_at(c.row)).cross(&c.force);
-    }
-    for (row, (force, moment)) in out.iter_mut().enumerate().skip(1) {
-        // from the centre of mass to the root's origin
-        let root = t.character.skeleton.position(t.pose(row), 0);
-        *moment += (t.com_at(row) - root).cross(force);
-    }
-    out
-}
-
 fn root(t: &Trace, mass: f64) -> RootReport {
-    // what the assist or the pin did is on record; a free root has only what nothing explains
-    let residual: Vec<(Vec3, Vec3)> = match t.root {
-        RootMode::Free => residual(t, mass),
-        _ => {
-            let part = |w: &[f64], at| motion::skeleton::vec_at(w, at);
-            t.root_wrench.chunks_exact(6).map(|w| (part(w, 0), part(w, 3))).collect()
-        }
-    };
+    let part = |w: &[f64], at| motion::skeleton::vec_at(w, at);
+    let residual: Vec<(Vec3, Vec3)> =
+        t.residual().chunks_exact(6).map(|w| (part(w, 0), part(w, 3))).collect();
     let n = residual.len().saturating_sub(1).max(1) as f64;
     let rms = (residual.iter().map(|(f, _)| f.norm_squared()).sum::<f64>() / n).sqrt();
     RootReport {

@@ -1,35 +1,4 @@
-//! Traces as `trace.npz`: plain numpy arrays, readable without pickle and without this project.
-//!
-//! In: a [`Trace`]. Out: an uncompressed zip of `.npy` arrays. Same trace, same bytes: time stamps are
-//! fixed and the wall time is left out. Writing only; analysis belongs to the reader.
-//!
-//! Layout (`n` rows, `L` links, `c` contacts; `q` and `v` as in [`motion::skeleton`]):
-//!
-//! | array | shape | holds |
-//! |---|---|---|
-//! | `rate_hz`, `substeps`, `ground_m` | scalar | as in [`Trace`]; `ground_m` is NaN without ground |
-//! | `gravity` | 3 | m/s² |
-//! | `root_mode` | scalar text | `free`, `assisted` or `pinned` |
-//! | `root_limit` | 2 | budget, N and N·m: zero when free, infinite when pinned |
-//! | `q`, `target` | n × nq | poses; lengths in m, angles in rad, quaternions `w x y z` |
-//! | `v`, `torque`, `stop_torque`, `k_lo`, `k_hi`, `kd` | n × nv | as in [`Trace`] |
-//! | `root_wrench`, `momentum` | n × 6 | as in [`Trace`] |
-//! | `com` | n × 3 | m |
-//! | `energy` | n × 2 | J |
-//! | `link_com` | n × 3L | world centres of mass, m; absent when not recorded |
-//! | `contact_row`, `contact_link` | c | indices |
-//! | `contact_point`, `contact_force` | c × 3 | m, N |
-//! | `contact_depth` | c | m |
-//! | `link_name`, `joint_type` | L | text |
-//! | `link_parent` | L | −1 for the root |
-//! | `link_mass`, `link_com_local`, `link_inertia` | L, L × 3, L × 9 | kg; m, kg·m², link frame |
-//! | `link_offset` | L × 7 | `parent_from_zero`: position (m), quaternion `w x y z` |
-//! | `joint_axis` | L × 3 | of hinges and slides; zero for others |
-//! | `joint_q_at`, `joint_v_at` | L | first column of the joint in `q` and `v` |
-//! | `dof_name` | nv | text: the link's name, with `.rx` and the like where a joint has several |
-//! | `units` | u × 2 | text: array, unit |
-//!
-//! Format: numpy `lib.format` 1.0; text is fixed-width UTF-32 (`<U`).
+//! A trace to `.npz`: see the table of [`super`].
 
 use std::io::{self, BufWriter, Seek, Write};
 use std::path::Path;
@@ -39,7 +8,8 @@ use npyz::{AutoSerialize, DType, WriteOptions, WriterBuilder};
 use zip::write::FileOptions;
 use zip::{CompressionMethod, DateTime, ZipWriter};
 
-use crate::{RootMode, Trace};
+use super::body::{self, joint_type};
+use crate::{Character, RootMode, Trace};
 
 /// Array and unit, in the order of the table written.
 const UNITS: &[(&str, &str)] = &[
@@ -68,6 +38,11 @@ const UNITS: &[(&str, &str)] = &[
     ("link_com_local", "m"),
     ("link_inertia", "kg·m^2"),
     ("link_offset", "m, quaternion w x y z"),
+    ("limit_range", "rad (hinge, ball), m (slide)"),
+    ("link_end", "m"),
+    ("rest", "m, rad, quaternion w x y z"),
+    ("shape_size", "m, quaternion w x y z"),
+    ("site_at", "m"),
 ];
 
 impl Trace {
@@ -79,7 +54,7 @@ impl Trace {
         let skeleton = &*self.character.skeleton;
         let links = skeleton.links();
         let (nq, nv, count) = (skeleton.nq(), skeleton.nv(), links.len());
-        let mut npz = Arrays(ZipWriter::new(out));
+        let mut npz = Arrays::new(out);
 
         npz.numbers("rate_hz", &[], &[self.rate_hz])?;
         npz.numbers("substeps", &[], &[self.substeps as i64])?;
@@ -155,8 +130,9 @@ impl Trace {
         let names = dof_names(skeleton);
         npz.text("dof_name", &[nv as u64], &names.iter().map(String::as_str).collect::<Vec<_>>())?;
         let units: Vec<&str> = UNITS.iter().flat_map(|u| [u.0, u.1]).collect();
+        write_body(&mut npz, &self.character)?;
         npz.text("units", &[UNITS.len() as u64, 2], &units)?;
-        npz.0.finish()?.flush()
+        npz.finish()
     }
 
     /// Writes the trace to a file, under a temporary name first: a failure leaves an earlier file whole.
@@ -176,10 +152,74 @@ impl Trace {
     }
 }
 
-struct Arrays<W: Write + Seek>(ZipWriter<W>);
+/// What of the body is not in the arrays of the links already.
+fn write_body<W: Write + Seek>(npz: &mut Arrays<W>, character: &Character) -> io::Result<()> {
+    let skeleton = &*character.skeleton;
+    let links = skeleton.links();
+    let name = |table: &[(&'static str, crate::JointClass)], class| {
+        table.iter().find(|(_, c)| *c == class).map_or("other", |(name, _)| *name)
+    };
+    npz.text("character_name", &[], &[character.name.as_str()])?;
+    let classes: Vec<&str> = character.classes.iter().map(|&c| name(body::CLASSES, c)).collect();
+    npz.text("joint_class", &[classes.len() as u64], &classes)?;
+    let (mut axes, mut ranges) = (Vec::new(), Vec::new());
+    for link in links {
+        let (a, r) = body::limits_out(link);
+        axes.extend(a);
+        ranges.extend(r);
+    }
+    npz.table("limit_axes", 9, &axes)?;
+    npz.table("limit_range", 6, &ranges)?;
+    let ends: Vec<f64> = links.iter().flat_map(|l| l.end.map_or([f64::NAN; 3], <[f64; 3]>::from)).collect();
+    npz.table("link_end", 3, &ends)?;
+    npz.numbers("rest", &[character.rest.len() as u64], &character.rest)?;
+
+    let shapes = body::shapes_out(character);
+    npz.indices("shape_link", shapes.iter().map(|s| s.0))?;
+    npz.text("shape_type", &[shapes.len() as u64], &shapes.iter().map(|s| s.1).collect::<Vec<_>>())?;
+    npz.table("shape_size", body::SHAPE, &shapes.iter().flat_map(|s| s.2).collect::<Vec<_>>())?;
+
+    let sites = skeleton.sites();
+    npz.text("site_name", &[sites.len() as u64], &sites.iter().map(|s| s.name.as_str()).collect::<Vec<_>>())?;
+    npz.indices("site_link", sites.iter().map(|s| s.link))?;
+    npz.table("site_at", 3, &sites.iter().flat_map(|s| <[f64; 3]>::from(s.at)).collect::<Vec<_>>())?;
+    npz.indices("contact_site", character.contacts.iter().copied())?;
+
+    let limbs = skeleton.limbs();
+    let n = limbs.len() as u64;
+    npz.text("limb_name", &[n], &limbs.iter().map(|l| l.name.as_str()).collect::<Vec<_>>())?;
+    let kind = |k| body::LIMBS.iter().find(|(_, kind)| *kind == k).map_or("", |(name, _)| *name);
+    npz.text("limb_kind", &[n], &limbs.iter().map(|l| kind(l.kind)).collect::<Vec<_>>())?;
+    let of: Vec<i64> = limbs.iter().flat_map(|l| [l.upper as i64, l.lower as i64, l.end as i64]).collect();
+    npz.numbers("limb_links", &[n, 3], &of)?;
+
+    let parts = skeleton.parts();
+    let n = parts.len() as u64;
+    npz.text("part_name", &[n], &parts.keys().map(String::as_str).collect::<Vec<_>>())?;
+    let member: Vec<i64> = (parts.values())
+        .flat_map(|part| (0..links.len()).map(move |l| i64::from(part.contains(&l))))
+        .collect();
+    npz.numbers("part_links", &[n, links.len() as u64], &member)
+}
+
+/// Arrays on their way into a zip.
+pub(crate) struct Arrays<W: Write + Seek>(ZipWriter<W>);
 
 impl<W: Write + Seek> Arrays<W> {
-    fn numbers<T: AutoSerialize>(&mut self, name: &str, shape: &[u64], data: &[T]) -> io::Result<()> {
+    pub(crate) fn new(out: W) -> Self {
+        Self(ZipWriter::new(out))
+    }
+
+    pub(crate) fn finish(mut self) -> io::Result<()> {
+        self.0.finish()?.flush()
+    }
+
+    pub(crate) fn numbers<T: AutoSerialize>(
+        &mut self,
+        name: &str,
+        shape: &[u64],
+        data: &[T],
+    ) -> io::Result<()> {
         let mut bytes = Vec::new();
         let mut array = WriteOptions::new().default_dtype().shape(shape).writer(&mut bytes).begin_nd()?;
         array.extend(data)?;
@@ -192,12 +232,17 @@ impl<W: Write + Seek> Arrays<W> {
         self.0.write_all(npy)
     }
 
-    fn table(&mut self, name: &str, columns: usize, data: &[f64]) -> io::Result<()> {
+    pub(crate) fn indices(&mut self, name: &str, data: impl Iterator<Item = usize>) -> io::Result<()> {
+        let data: Vec<i64> = data.map(|i| i as i64).collect();
+        self.numbers(name, &[data.len() as u64], &data)
+    }
+
+    pub(crate) fn table(&mut self, name: &str, columns: usize, data: &[f64]) -> io::Result<()> {
         let rows = data.len() / columns.max(1);
         self.numbers(name, &[rows as u64, columns as u64], data)
     }
 
-    fn text(&mut self, name: &str, shape: &[u64], data: &[&str]) -> io::Result<()> {
+    pub(crate) fn text(&mut self, name: &str, shape: &[u64], data: &[&str]) -> io::Result<()> {
         let width = data.iter().map(|s| s.chars().count()).max().unwrap_or(0).max(1);
         let dtype = format!("<U{width}").parse().map_err(io::Error::other)?;
         let mut bytes = Vec::new();
@@ -217,17 +262,6 @@ fn options() -> FileOptions {
         .unix_permissions(0o644)
 }
 
-fn joint_type(joint: &Joint) -> &'static str {
-    match joint {
-        Joint::Free => "free",
-        Joint::Spherical => "spherical",
-        Joint::Revolute(_) => "revolute",
-        Joint::Prismatic(_) => "prismatic",
-        Joint::Fixed => "fixed",
-    }
-}
-
-/// Names of the degrees of freedom; see the table above.
 pub(crate) fn dof_names(skeleton: &Skeleton) -> Vec<String> {
     let several = |name: &str, axes: &[&str]| axes.iter().map(|a| format!("{name}.{a}")).collect();
     skeleton

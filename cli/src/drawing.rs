@@ -1,0 +1,288 @@
+//! The figures of `plot` and `analyze`, and the numbers on them.
+//!
+//! A trace is drawn as it was recorded; a clip or a scene by its analysis. Only the ground forces required
+//! and given need the analysis of a trace; a trace that cannot be analysed (too short, NaN) is drawn without
+//! them, and the figure says why.
+
+use plots::panel::Clock;
+use plots::{Excerpt, Figure, StripOptions, StripRow, Witness, WitnessKind, film_strip_with};
+use scenes::ground_forces::GroundForces;
+use scenes::{Analysis, Residual, RootMode, Study, Trace};
+use serde_json::{Value, json};
+
+use crate::args::{DynamicsArgs, What};
+use crate::failure::Failure;
+
+/// What is drawn, and how much of it.
+pub struct Drawing<'a> {
+    study: &'a Study,
+    analysis: Result<&'a Analysis, String>,
+    trace: Trace,
+    /// Seconds.
+    span: [f64; 2],
+    joints: Option<Vec<usize>>,
+    feet: Option<Vec<usize>>,
+    witnesses: Vec<Witness>,
+    /// What the contact figure has to say besides.
+    remarks: Vec<String>,
+}
+
+impl<'a> Drawing<'a> {
+    /// Everything of a motion. `analysis` may fail for a trace.
+    ///
+    /// # Errors
+    /// A clip or scene without an analysis; MuJoCo's trace of another body.
+    pub fn new(
+        study: &'a Study,
+        analysis: Result<&'a Analysis, String>,
+        dynamics: &DynamicsArgs,
+        mujoco: Option<&std::path::Path>,
+    ) -> Result<Self, Failure> {
+        let trace = match (&analysis, study.recorded()) {
+            (_, Some(trace)) => trace.clone(),
+            (Ok(a), None) => study.trace(a),
+            (Err(why), None) => return Err(Failure::Input(why.clone())),
+        };
+        let span = [0.0, trace.clip().duration_s()];
+        let (joints, feet) = (None, None);
+        let mut drawing =
+            Self { study, analysis, trace, span, joints, feet, witnesses: Vec::new(), remarks: Vec::new() };
+        drawing.hear(dynamics, mujoco)?;
+        Ok(drawing)
+    }
+
+    fn hear(&mut self, dynamics: &DynamicsArgs, mujoco: Option<&std::path::Path>) -> Result<(), Failure> {
+        let mut add = |kind, label: String, forces| self.witnesses.push(Witness { kind, label, forces });
+        if let Some(trace) = self.study.recorded() {
+            match trace.ground_m {
+                Some(_) => {
+                    let label = "measured: contacts of the run".to_owned();
+                    add(WitnessKind::Measured, label, GroundForces::measured(trace));
+                }
+                None => self.remarks.push("the run had no ground: nothing was measured".into()),
+            }
+        }
+        match &self.analysis {
+            Ok(a) => {
+                add(
+                    WitnessKind::Required,
+                    "required: inverse dynamics of the motion".into(),
+                    GroundForces::required(a),
+                );
+                match self.study.penalty(a, 1e-3 * dynamics.sink_mm).map_err(Failure::input)? {
+                    Some((forces, by)) => {
+                        let label = format!(
+                            "given: penalty contact, sink {} mm, motion {} by {:.2} mm",
+                            dynamics.sink_mm,
+                            if by.lowered_m < 0.0 { "raised" } else { "lowered" },
+                            1e3 * by.lowered_m.abs()
+                        );
+                        add(WitnessKind::Given, label, forces);
+                    }
+                    None if a.ground_m.is_none() => self.remarks.push("no ground: none is given".into()),
+                    None => self.remarks.push("penalty contact cannot bear the body within 100 mm".into()),
+                }
+            }
+            Err(why) => self.remarks.push(format!("required and given forces are missing: {why}")),
+        }
+        let beside = self.study.mujoco_beside();
+        if let Some(path) = mujoco.or(beside.as_deref()) {
+            let forces = self.study.other_run(path).map_err(Failure::input)?;
+            add(WitnessKind::Mujoco, "MuJoCo: contacts of its run".into(), forces);
+        }
+        Ok(())
+    }
+
+    /// Length of the motion, s.
+    pub fn duration_s(&self) -> f64 {
+        self.trace.clip().duration_s()
+    }
+
+    /// Limits the drawing to a span of time.
+    pub fn between(&mut self, from_s: f64, to_s: f64) {
+        self.span = [from_s, to_s];
+    }
+
+    /// Limits figures of joints to some links.
+    pub fn only_joints(&mut self, links: Vec<usize>) {
+        self.joints = Some(links);
+    }
+
+    /// Limits the contact figure to some feet, by link.
+    pub fn only_feet(&mut self, links: Vec<usize>) {
+        self.feet = Some(links);
+    }
+
+    /// The feet of the contact figure: name of the leg, name of the link, link.
+    pub fn feet(&self) -> Vec<(String, String, usize)> {
+        let links = self.trace.character.skeleton.links();
+        let feet = self.witnesses.first().map(|w| &w.forces.feet[..]).unwrap_or_default();
+        feet.iter().map(|f| (f.name.clone(), links[f.link].name.clone(), f.link)).collect()
+    }
+
+    /// Names of the links with a joint that moves, and their indices.
+    pub fn joints(&self) -> Vec<(String, usize)> {
+        let skeleton = &self.trace.character.skeleton;
+        let links = skeleton.links().iter().enumerate().skip(1);
+        links.filter(|(_, l)| l.joint.nv() > 0).map(|(i, l)| (l.name.clone(), i)).collect()
+    }
+
+    /// Whether there is such a figure of this motion; else why not.
+    pub fn has(&self, what: What) -> Result<(), String> {
+        match (what, self.study.recorded()) {
+            (What::Gains, None) => Err(format!(
+                "gains are of traces: muscles performed nothing in this {}; `contrapposto render` makes a trace",
+                self.study.source.name()
+            )),
+            _ => Ok(()),
+        }
+    }
+
+    /// Draws one figure; also the numbers on it.
+    pub fn draw(&self, what: What) -> (Figure, Value) {
+        let [from_s, to_s] = self.span;
+        let whole = from_s <= 0.0 && to_s >= self.duration_s();
+        let excerpt = match whole {
+            true => Excerpt::whole(&self.trace),
+            false => Excerpt::between(&self.trace, from_s, to_s),
+        };
+        let excerpt = match &self.joints {
+            Some(links) => excerpt.of_joints(links.clone()),
+            None => excerpt,
+        };
+        let excerpt = match self.study.recorded() {
+            Some(_) => excerpt,
+            None => excerpt.called("as given", "as analysed"),
+        };
+        let note = &self.note();
+        match what {
+            What::Contact | What::All => self.contact(note),
+            What::Residual => self.residual(&excerpt, note),
+            What::Momentum => (plots::momenta(&excerpt, note), json!({})),
+            What::Com => (plots::center_of_mass(&excerpt, note), json!({})),
+            What::Torque => {
+                let analysed = self.study.recorded().is_none();
+                let noise = self.analysis.as_ref().ok().filter(|_| analysed).map(|a| &a.noise.tau[..]);
+                (plots::joint_torques(&excerpt, noise.unwrap_or_default(), note), json!({}))
+            }
+            What::Gains => (plots::gains_and_torques(&excerpt, note), json!({})),
+            What::Angles => (plots::joint_angles(&excerpt, note), json!({})),
+            What::Energy => (plots::energies(&excerpt, note), json!({})),
+            What::Strip => (self.strip(note), json!({})),
+        }
+    }
+
+    fn contact(&self, note: &str) -> (Figure, Value) {
+        let [from_s, to_s] = self.span;
+        let cut = self.witnesses.iter().map(|w| {
+            let mut forces = w.forces.between(from_s, to_s);
+            if let Some(links) = &self.feet {
+                forces.feet.retain(|f| links.contains(&f.link));
+            }
+            Witness { forces, ..w.clone() }
+        });
+        let witnesses: Vec<Witness> = cut.collect();
+        let weight = self.trace.character.mass() * self.trace.gravity.norm();
+        let said: Vec<&str> = std::iter::once(note).chain(self.remarks.iter().map(String::as_str)).collect();
+        let figure = plots::contact_overlay(&witnesses, weight, &said.join(" · "));
+        let Some(reference) = plots::overlay::reference(&witnesses) else {
+            return (figure, json!({ "reference": null, "remarks": self.remarks }));
+        };
+        let mut rms = serde_json::Map::new();
+        for w in witnesses.iter().filter(|w| w.kind != reference.kind) {
+            let mut parts = serde_json::Map::new();
+            let pair = |a: &[_], b: &[_]| {
+                let rms = GroundForces::rms_difference([&reference.forces, &w.forces], a, b);
+                rms.map_or(Value::Null, |[up, across]| json!({ "vertical": up, "horizontal": across }))
+            };
+            parts.insert("total".into(), pair(&reference.forces.total, &w.forces.total));
+            for foot in &reference.forces.feet {
+                if let Some(other) = w.forces.feet.iter().find(|f| f.link == foot.link) {
+                    parts.insert(foot.name.clone(), pair(&foot.force, &other.force));
+                }
+            }
+            rms.insert(w.kind.name().to_lowercase(), parts.into());
+        }
+        let numbers = json!({
+            "reference": reference.kind.name().to_lowercase(),
+            "weight_n": weight,
+            "rms_difference_n": rms,
+            "remarks": self.remarks,
+        });
+        (figure, numbers)
+    }
+
+    fn residual(&self, excerpt: &Excerpt, note: &str) -> (Figure, Value) {
+        let wrench = excerpt.residual();
+        // a free root's residual is a difference of rows: the first has none
+        let first = usize::from(self.study.recorded().is_some() && excerpt.rows() > 1);
+        let wrench = &wrench[6 * first..];
+        let what = match (self.study.recorded(), excerpt.root) {
+            (None, _) => "what neither joints nor an admissible ground explain",
+            (_, RootMode::Free) => "root free: the error of the integrator",
+            (_, RootMode::Assisted { .. }) => "root assisted: what the assist did",
+            (_, RootMode::Pinned) => "root pinned: what the pin did",
+        };
+        let weight = excerpt.character.mass() * excerpt.gravity.norm();
+        let clock = excerpt.clock();
+        let clock = Clock { start_s: clock.at(first), ..clock };
+        let figure = plots::graded_residual(wrench, clock, weight, what, note);
+        let r = Residual::of(wrench);
+        let numbers = json!({
+            "grade": r.grade().to_string(),
+            "force_grade": r.force_grade().to_string(),
+            "moment_grade": r.moment_grade().to_string(),
+            "force_peak_n": r.force_peak,
+            "force_rms_n": r.force_rms,
+            "force_peak_at_s": clock.at(r.force_frame),
+            "moment_peak_nm": r.moment_peak,
+            "moment_rms_nm": r.moment_rms,
+            "moment_peak_at_s": clock.at(r.moment_frame),
+        });
+        (figure, numbers)
+    }
+
+    fn strip(&self, note: &str) -> Figure {
+        let (performed, asked) = (self.trace.clip(), self.trace.target_clip());
+        let mut rows = vec![StripRow { label: "performed", clip: &performed }];
+        match self.study.recorded() {
+            Some(_) => rows.insert(0, StripRow { label: "asked for", clip: &asked }),
+            None => rows[0].label = "as analysed",
+        }
+        let [from_s, to_s] = self.span;
+        let ground_m = self.trace.ground_m;
+        let title = (rows.len() == 1).then(|| "Film strip".to_owned());
+        let options = StripOptions { from_s, to_s: Some(to_s), ground_m, title, ..StripOptions::default() };
+        film_strip_with(&rows, &self.trace.character, note, &options)
+    }
+
+    /// What stands under every title.
+    fn note(&self) -> String {
+        let t = &self.trace;
+        let name = &self.study.name;
+        match self.study.recorded() {
+            Some(_) => {
+                let root = match t.root {
+                    RootMode::Free => "free",
+                    RootMode::Assisted { .. } => "assisted",
+                    RootMode::Pinned => "pinned",
+                };
+                format!("{name}: recorded, root {root}, {} Hz, {} substeps", t.rate_hz, t.substeps)
+            }
+            None => {
+                let smoothed = match &self.analysis {
+                    Ok(a) => smoothing(a),
+                    Err(_) => String::new(),
+                };
+                format!("{name}: inverse dynamics, {:.2} Hz{smoothed}", t.rate_hz)
+            }
+        }
+    }
+}
+
+fn smoothing(a: &Analysis) -> String {
+    match a.smoothing.cutoff_hz {
+        hz if hz.is_finite() => format!(", smoothed at {hz:.1} Hz"),
+        _ => ", not smoothed".into(),
+    }
+}

@@ -1,0 +1,269 @@
+//! A motion to be studied: a recorded trace, a clip, or the kinematic motion of a scene, with its body.
+//!
+//! In: a path. Out: a [`Study`]: who moves and how, and on demand its [`Analysis`], its figures' trace and
+//! the witnesses of its ground forces. Nothing is simulated here.
+//!
+//! ```text
+//! trace.npz, folder with one ─→ Trace ─────────────┐
+//! clip.bvh ─→ body guessed or given ───────────────┼─→ Study ─→ analyze ─→ Analysis, GroundForces
+//! scene.ron ─→ kinematic motion ───────────────────┘
+//! ```
+//!
+//! A clip is studied as it was captured: not clamped to joint limits, which would hide what is wrong.
+
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+use dynamics::analysis_files::trace_of;
+use dynamics::penalty::PenaltyError;
+use dynamics::{
+    Analysis, AnalysisError, AnalysisOptions, Character, GivenBy, Ground, GroundForces, Trace,
+    TraceFileError, analyze,
+};
+use motion::format::bvh::ImportOptions;
+use motion::smooth::Smoothing;
+use motion::{Clip, Vec3};
+
+use crate::overrides::Overrides;
+use crate::stage::{self, ClipSource, StageError};
+
+/// Why a motion cannot be studied.
+#[derive(Debug, thiserror::Error)]
+pub enum StudyError {
+    /// A scene, clip or body.
+    #[error(transparent)]
+    Stage(#[from] StageError),
+    /// Neither trace nor clip nor scene.
+    #[error("{0}: neither a trace (.npz, or a folder with trace.npz) nor a clip (.bvh) nor a scene (.ron)")]
+    Kind(String),
+    /// A folder without a trace.
+    #[error("{0}: no trace.npz in this folder; allowed: a folder that `contrapposto render` wrote")]
+    NoTrace(String),
+    /// A trace that cannot be read.
+    #[error("{path}: {source}")]
+    Trace {
+        /// The file.
+        path: String,
+        /// Why.
+        source: TraceFileError,
+    },
+    /// A motion that cannot be analysed.
+    #[error("{path}: {source}")]
+    Analysis {
+        /// Where it came from.
+        path: String,
+        /// Why.
+        source: AnalysisError,
+    },
+    /// A penalty contact that cannot be.
+    #[error(transparent)]
+    Penalty(#[from] PenaltyError),
+    /// A trace of another body or another run.
+    #[error("{other}: a trace of {found}; allowed: of {needed}, as in {path}")]
+    OtherBody {
+        /// The other trace.
+        other: String,
+        /// Its body.
+        found: String,
+        /// The first one's body.
+        needed: String,
+        /// The first one.
+        path: String,
+    },
+}
+
+/// Where a motion came from.
+#[derive(Clone, Debug)]
+pub enum StudySource {
+    /// A recorded run.
+    Trace(Box<Trace>),
+    /// A clip.
+    Clip(Box<ClipSource>),
+    /// A scene's kinematic motion.
+    Scene,
+}
+
+impl StudySource {
+    /// One word.
+    pub fn name(&self) -> &'static str {
+        match self {
+            Self::Trace(_) => "trace",
+            Self::Clip(_) => "clip",
+            Self::Scene => "scene",
+        }
+    }
+}
+
+/// How to analyse; what is not said is chosen by the source.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct StudyOptions {
+    /// Smoothing; `None`: automatic for clips, none for traces and scenes, which carry no noise.
+    pub smoothing: Option<Smoothing>,
+    /// Coefficient of friction; `None`: that of the scene, 0.8 else.
+    pub friction: Option<f64>,
+}
+
+/// A motion with its body. See the module header.
+#[derive(Clone, Debug)]
+pub struct Study {
+    /// Name of the file, without folder and ending; of a trace, of its folder.
+    pub name: String,
+    /// The file that was read.
+    pub path: PathBuf,
+    /// Where the motion came from.
+    pub source: StudySource,
+    /// The body.
+    pub character: Arc<Character>,
+    /// The motion as it was given, on the body's skeleton.
+    pub given: Clip,
+    gravity: Vec3,
+    ground: Ground,
+    friction: Option<f64>,
+}
+
+/// Opens a trace, a folder with one, a clip or a scene; `body` is a character file for a clip.
+///
+/// # Errors
+/// [`StudyError`].
+pub fn open(path: &Path, body: Option<&Path>, import: &ImportOptions) -> Result<Study, StudyError> {
+    let kind = path.extension().map(|e| e.to_string_lossy().to_lowercase());
+    if path.is_dir() {
+        let file = path.join("trace.npz");
+        if !file.is_file() {
+            return Err(StudyError::NoTrace(path.display().to_string()));
+        }
+        return of_trace(&file);
+    }
+    match kind.as_deref() {
+        Some("npz") => of_trace(path),
+        Some("bvh" | "ron") => of_stage(path, body, import),
+        _ => Err(StudyError::Kind(path.display().to_string())),
+    }
+}
+
+/// Reads a trace, saying which file it is.
+fn read_trace(path: &Path) -> Result<Trace, StudyError> {
+    Trace::open_npz(path).map_err(|source| StudyError::Trace { path: path.display().to_string(), source })
+}
+
+fn of_trace(path: &Path) -> Result<Study, StudyError> {
+    let trace = read_trace(path)?;
+    let folder = path.parent().and_then(Path::file_name);
+    let name = folder.or(path.file_stem()).map_or_else(|| "trace".into(), |s| s.to_string_lossy().into());
+    Ok(Study {
+        name,
+        path: path.to_owned(),
+        character: trace.character.clone(),
+        given: trace.clip(),
+        gravity: trace.gravity,
+        ground: trace.ground_m.map_or(Ground::Detect, Ground::At),
+        friction: None,
+        source: StudySource::Trace(Box::new(trace)),
+    })
+}
+
+fn of_stage(path: &Path, body: Option<&Path>, import: &ImportOptions) -> Result<Study, StudyError> {
+    let stage = stage::open_with(path, body, import, &Overrides::default())?;
+    let ground = stage.physics.ground;
+    let (name, character, gravity) = (stage.name, stage.character, stage.physics.gravity);
+    let path = path.to_owned();
+    Ok(match stage.clip {
+        Some(source) => Study {
+            given: source.map.clip_to_character(&source.clip, &character.skeleton),
+            // the stage's floor is made to stand on; the analysis looks for the one walked on
+            ground: Ground::Detect,
+            friction: None,
+            source: StudySource::Clip(Box::new(source)),
+            name,
+            path,
+            character,
+            gravity,
+        },
+        None => Study {
+            given: stage.kinematic,
+            ground: ground.map_or(Ground::None, |g| Ground::At(g.height_m)),
+            friction: ground.map(|g| g.friction),
+            source: StudySource::Scene,
+            name,
+            path,
+            character,
+            gravity,
+        },
+    })
+}
+
+impl Study {
+    /// Inverse dynamics of the motion.
+    ///
+    /// # Errors
+    /// A motion too short, numbers that are not finite, settings out of range.
+    pub fn analyze(&self, options: &StudyOptions) -> Result<Analysis, StudyError> {
+        let noisy = matches!(self.source, StudySource::Clip(_));
+        let usual = if noisy { Smoothing::Auto } else { Smoothing::Off };
+        let defaults = AnalysisOptions::default();
+        let options = AnalysisOptions {
+            smoothing: options.smoothing.unwrap_or(usual),
+            gravity: self.gravity,
+            ground: self.ground,
+            friction: options.friction.or(self.friction).unwrap_or(defaults.friction),
+            ..defaults
+        };
+        analyze(&self.character, &self.given, &options)
+            .map_err(|source| StudyError::Analysis { path: self.path.display().to_string(), source })
+    }
+
+    /// The recorded trace, if it is one.
+    pub fn recorded(&self) -> Option<&Trace> {
+        match &self.source {
+            StudySource::Trace(trace) => Some(trace),
+            _ => None,
+        }
+    }
+
+    /// The recorded trace, or the analysis in the form of one.
+    pub fn trace(&self, analysis: &Analysis) -> Trace {
+        match self.recorded() {
+            Some(trace) => trace.clone(),
+            None => trace_of(&self.character, &self.given, analysis),
+        }
+    }
+
+    /// Where a cross-check leaves MuJoCo's trace of this run; `None` if there is none.
+    pub fn mujoco_beside(&self) -> Option<PathBuf> {
+        self.recorded()?;
+        let path = self.path.parent()?.join("mujoco").join("trace.npz");
+        path.is_file().then_some(path)
+    }
+
+    /// Ground forces of another run of the same body, such as MuJoCo's.
+    ///
+    /// # Errors
+    /// A file that is no trace, or of a body with other links.
+    pub fn other_run(&self, path: &Path) -> Result<GroundForces, StudyError> {
+        let other = read_trace(path)?;
+        let names =
+            |c: &Character| -> Vec<String> { c.skeleton.links().iter().map(|l| l.name.clone()).collect() };
+        if names(&other.character) != names(&self.character) {
+            let said = |c: &Character| format!("`{}` with {} links", c.name, c.skeleton.links().len());
+            return Err(StudyError::OtherBody {
+                other: path.display().to_string(),
+                found: said(&other.character),
+                needed: said(&self.character),
+                path: self.path.display().to_string(),
+            });
+        }
+        Ok(GroundForces::measured(&other))
+    }
+
+    /// What penalty contact gives, for a body that would rest `sink_m` deep; `None` without ground.
+    ///
+    /// # Errors
+    /// A sink that is not positive.
+    pub fn penalty(
+        &self,
+        analysis: &Analysis,
+        sink_m: f64,
+    ) -> Result<Option<(GroundForces, GivenBy)>, StudyError> {
+        Ok(GroundForces::given(&self.character, analysis, sink_m)?)
+    }
+}
