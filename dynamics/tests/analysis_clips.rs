@@ -4,9 +4,10 @@
 
 use std::path::Path;
 
-use dynamics::{Analysis, AnalysisOptions, BodyOptions, Grade, analyze, guess_body_of_clip};
+use dynamics::{Analysis, AnalysisOptions, BodyOptions, Grade, PoseMap, analyze, guess_body_of_clip};
 use motion::Clip;
 use motion::format::bvh::{ImportOptions, read_file};
+use motion::metrics::feet;
 
 fn clip(name: &str) -> Clip {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join(format!("../../shared/mocap/bvh/{name}.bvh"));
@@ -120,4 +121,21 @@ fn flipped_recordings_are_named() {
     assert_eq!(a.graded.grade(), Grade::Poor);
     let worst = a.jumps.iter().map(|j| j.angle).fold(0.0, f64::max);
     assert!(worst > 3.0, "{worst}");
+}
+
+/// One response for all joints: smoothing does not set planted feet sliding.
+#[test]
+fn smoothing_keeps_planted_feet() {
+    for name in ["14_37", "02_01", "16_21"] {
+        let given = clip(name);
+        let (character, _) = guess_body_of_clip(&given, &BodyOptions::default()).unwrap();
+        let a = analyze(&character, &given, &AnalysisOptions::default()).unwrap();
+        let map = PoseMap::new(&given.skeleton, &character.skeleton).unwrap();
+        let before = map.clip_to_character(&given, &character.skeleton);
+        let sites: Vec<_> = character.contacts.iter().map(|&c| &character.skeleton.sites()[c]).collect();
+        let skate = |clip: &Clip| feet(clip, &sites, a.ground_m.unwrap()).skate_mm_s;
+        let (raw, smooth) = (skate(&before), skate(&a.clip));
+        println!("{name}: skate {raw:.1} mm/s raw, {smooth:.1} smoothed");
+        assert!(smooth < 1.05 * raw + 1.0, "{name}: {raw} {smooth}");
+    }
 }

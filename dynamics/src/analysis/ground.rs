@@ -1,7 +1,7 @@
 //! What a plane ground can give of a required wrench, and how the soles share it.
 //!
 //! In: corners of the soles, their heights and speeds, a required wrench. Out: an admissible wrench per
-//! foot. No memory: every frame by itself. The ground is the plane y = `h`, at rest.
+//! foot. No memory: every frame by itself. The ground is the plane y = `h`; a treadmill's moves.
 //!
 //! *Contact.* A corner at height z above the ground and with speed u touches by
 //! `α = s(z/height) · s(u/speed)`, where s falls from 1 at ½ to 0 at 1 (cubic); of these the foot's
@@ -54,13 +54,15 @@ pub enum Ground {
 pub struct Contact {
     /// Height at which contact is lost, m.
     pub height_m: f64,
-    /// Speed at which contact is lost, m/s.
+    /// Speed against the ground at which contact is lost, m/s.
     pub speed_m_s: f64,
+    /// Velocity of the ground, world, m/s: of the belt of a treadmill.
+    pub ground_velocity: Vec3,
 }
 
 impl Default for Contact {
     fn default() -> Self {
-        Self { height_m: 0.05, speed_m_s: 1.2 }
+        Self { height_m: 0.05, speed_m_s: 1.2, ground_velocity: Vec3::zeros() }
     }
 }
 
@@ -214,7 +216,7 @@ impl Floor {
         let height = match options.ground {
             Ground::None => None,
             Ground::At(height) => Some(height),
-            Ground::Detect => detect(model, state, soles, clip, v, options.contact.speed_m_s),
+            Ground::Detect => detect(model, state, soles, clip, v, &options.contact),
         };
         let least_load = LEAST_LOAD * model.mass * options.gravity.norm();
         Self { height, friction: options.friction, contact: options.contact, least_load }
@@ -300,7 +302,7 @@ impl Floor {
             foot.height = f64::INFINITY;
             for (link, at) in &sole.corners {
                 let p = state.point(model, *link, at);
-                let speed = state.point_velocity(model, *link, at).norm();
+                let speed = (state.point_velocity(model, *link, at) - self.contact.ground_velocity).norm();
                 let above = p.y - height;
                 let touch = fade(above / self.contact.height_m) * fade(speed / self.contact.speed_m_s);
                 s.touch[j] = if touch > LEAST_TOUCH { touch } else { 0.0 };
@@ -387,7 +389,7 @@ fn detect(
     soles: &Soles,
     clip: &Clip,
     v: &[f64],
-    speed: f64,
+    contact: &Contact,
 ) -> Option<f64> {
     const FRAMES: usize = 1000;
     let step = clip.frames().div_ceil(FRAMES).max(1);
@@ -399,7 +401,8 @@ fn detect(
             .map(|(link, at)| (state.point(model, *link, at).y, *link, *at))
             .min_by(|a, b| a.0.total_cmp(&b.0))?;
         all = all.min(lowest.0);
-        if state.point_velocity(model, lowest.1, &lowest.2).norm() < speed {
+        let velocity = state.point_velocity(model, lowest.1, &lowest.2) - contact.ground_velocity;
+        if velocity.norm() < contact.speed_m_s {
             slow.push(lowest.0);
         }
     }

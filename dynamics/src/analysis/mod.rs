@@ -423,7 +423,8 @@ fn check(clip: &Clip, options: &AnalysisOptions) -> Result<(), AnalysisError> {
         let allowed = "zero or more";
         return Err(AnalysisError::Option { name: "the soft tissue's noise", value: soft, allowed });
     }
-    let Contact { height_m, speed_m_s } = options.contact;
+    let Contact { height_m, speed_m_s, ground_velocity } = options.contact;
+    ground_velocity.iter().try_for_each(|v| finite("the velocity of the ground", *v))?;
     positive("the height of contact", height_m, height_m > 0.0)?;
     positive("the speed of contact", speed_m_s, speed_m_s > 0.0)?;
     let mu = options.friction;

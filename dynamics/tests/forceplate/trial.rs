@@ -3,6 +3,7 @@
 use std::path::Path;
 use std::sync::Arc;
 
+use dynamics::analysis::{Contact, SOFT_TISSUE};
 use dynamics::{Analysis, AnalysisOptions, Body, Character, Ground, JointClass, analyze};
 use motion::smooth::Smoothing;
 use motion::{Clip, Joint, Link, Site, Skeleton, Vec3};
@@ -82,14 +83,20 @@ impl Trial {
 
     /// Inverse dynamics by the public road.
     pub fn analysis(&self, poses: Poses, smoothing: Smoothing) -> Analysis {
+        self.analysis_assuming(poses, smoothing, SOFT_TISSUE)
+    }
+
+    /// The same with another least density of noise, m/√Hz.
+    pub fn analysis_assuming(&self, poses: Poses, smoothing: Smoothing, soft_tissue: f64) -> Analysis {
+        let gravity = self.gravity;
         let options =
-            AnalysisOptions { smoothing, gravity: self.gravity, ground: Ground::None, ..Default::default() };
+            AnalysisOptions { smoothing, soft_tissue, gravity, ground: Ground::None, ..Default::default() };
         analyze(&self.character, &self.clip(poses), &options).unwrap()
     }
 
     /// The same with soles, drawn by hand: the files hold no geometry of the feet. Corners in m along the
     /// body's axes (x forward, z right), at the height of the body's origin, which lies on the sole.
-    pub fn analysis_on_soles(&self, poses: Poses, smoothing: Smoothing) -> Analysis {
+    pub fn analysis_on_soles(&self, poses: Poses, smoothing: Smoothing, ground_velocity: Vec3) -> Analysis {
         let mut character = self.character.clone();
         let mut sites = Vec::new();
         for (body, corners) in [
@@ -106,7 +113,8 @@ impl Trial {
         character.contacts = (0..sites.len()).collect();
         let skeleton = (*character.skeleton).clone().with_sites(sites).unwrap();
         character.skeleton = Arc::new(skeleton);
-        let options = AnalysisOptions { smoothing, gravity: self.gravity, ..Default::default() };
+        let contact = Contact { ground_velocity, ..Default::default() };
+        let options = AnalysisOptions { smoothing, gravity: self.gravity, contact, ..Default::default() };
         analyze(&character, &self.clip(poses), &options).unwrap()
     }
 

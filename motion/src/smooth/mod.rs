@@ -101,22 +101,7 @@ pub fn smooth_at(clip: &Clip, strength: Strength) -> Smoothed {
     let smoothed = hz < 0.5 * clip.rate_hz && frames > 3;
     if smoothed {
         let lambda = lambda(hz, clip.rate_hz);
-        let filter = Whittaker::new(frames, lambda);
-        let mut shift = vec![0.0; frames * nv];
-        for step in 0..STEPS {
-            let mut third = increments(&out);
-            third = second_differences(&third, nv);
-            if step > 0 {
-                for k in 0..frames {
-                    let row = &mut shift[k * nv..(k + 1) * nv];
-                    clip.skeleton.difference(out.pose(k), clip.pose(k), 1.0, row);
-                }
-            }
-            filter.correct(&third, &mut shift, nv);
-            for k in 0..frames {
-                clip.skeleton.integrate(out.pose_mut(k), &shift[k * nv..(k + 1) * nv], 1.0);
-            }
-        }
+        out = smoothed_path(clip, lambda, STEPS);
         let rate = clip.rate_hz;
         let left = variance(&strength, rate, |hz| response(lambda, hz, rate) * curvature(hz / rate));
         for (i, power) in noise_power(clip, &out, &strength, lambda).iter().enumerate() {
@@ -131,6 +116,28 @@ pub fn smooth_at(clip: &Clip, strength: Strength) -> Smoothed {
         derivatives,
         report: SmoothReport { cutoff_hz, strength, noise, acceleration_noise },
     }
+}
+
+/// Gauss–Newton on `Σ |log(R S⁻¹)|² + λ Σ |Δ²ω(S)|²`, from S = R; one step is exact for coordinates.
+fn smoothed_path(clip: &Clip, lambda: f64, steps: usize) -> Clip {
+    let (frames, nv) = (clip.frames(), clip.skeleton.nv());
+    let filter = Whittaker::new(frames, lambda);
+    let mut out = clip.clone();
+    let mut shift = vec![0.0; frames * nv];
+    for step in 0..steps {
+        let third = second_differences(&increments(&out), nv);
+        if step > 0 {
+            for k in 0..frames {
+                let row = &mut shift[k * nv..(k + 1) * nv];
+                clip.skeleton.difference(out.pose(k), clip.pose(k), 1.0, row);
+            }
+        }
+        filter.correct(&third, &mut shift, nv);
+        for k in 0..frames {
+            clip.skeleton.integrate(out.pose_mut(k), &shift[k * nv..(k + 1) * nv], 1.0);
+        }
+    }
+    out
 }
 
 /// Paths of all degrees of freedom in their tangent spaces, `frames × nv`, from zero in the first frame:
