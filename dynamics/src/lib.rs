@@ -16,9 +16,7 @@
 //! | [`derivatives`] | slopes of inverse dynamics by pose, velocity and acceleration |
 //! | [`forward`] | accelerations from forces |
 //! | [`inertia`] | composites, momentum and its rate, energy, gravity stiffness |
-//! | [`rnea`] | inverse dynamics with outside wrenches |
 //! | [`ground_forces`] | ground forces required, given and measured, per foot |
-//! | [`inertia`] | mass matrix, momentum, energy, gravity stiffness |
 //! | [`penalty`] | the force of the ground on a point, from its height and slip |
 //! | [`rnea`] | inverse dynamics with outside wrenches |
 //! | [`import`] | characters from MJCF and URDF |
@@ -50,9 +48,8 @@ pub use anthropometry::{BodyOptions, BodyReport, GuessError, guess_body, guess_b
 pub use character::{Body, Character, CharacterError, JointClass};
 pub use derivatives::InverseDerivatives;
 pub use forward::{ForwardDynamics, NoInertia};
-pub use inertia::{Momentum, MomentumRate};
 pub use ground_forces::{FootForce, GivenBy, GroundForces};
-pub use inertia::Momentum;
+pub use inertia::{Momentum, MomentumRate};
 pub use model::{Model, MovingBody, State};
 pub use penalty::Penalty;
 pub use pose_map::{PoseMap, PoseMapError};
