@@ -154,6 +154,9 @@ def model_from_file(path):
         # looks, collision solids and their meshes carry no mass
         for child in [c for c in link if c.tag != "inertial"]:
             link.remove(child)
+    # a welded base keeps its mass, instead of losing it to the world
+    extension = ElementTree.SubElement(tree, "mujoco")
+    ElementTree.SubElement(extension, "compiler", fusestatic="false")
     return mujoco.MjModel.from_xml_string(ElementTree.tostring(tree, encoding="unicode"))
 
 

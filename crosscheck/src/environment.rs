@@ -12,6 +12,7 @@ use std::env;
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
+use std::sync::{Mutex, PoisonError};
 
 /// The MuJoCo that answers are compared with.
 pub const MUJOCO: &str = "4.0.0";
@@ -49,26 +50,32 @@ pub enum EnvironmentError {
 pub fn prepare(say: &mut dyn FnMut(&str)) -> Result<PathBuf, EnvironmentError> {
     let home = cache()?;
     let place = home.join(format!("mujoco-{MUJOCO}"));
-    if place.join(READY).is_file() {
+    // two threads of one process take turns; two processes each make one, and the first to finish wins
+    let _turn = TURN.lock().unwrap_or_else(PoisonError::into_inner);
+    let ready = || place.join(READY).is_file();
+    if ready() {
         return Ok(python_of(&place));
     }
     let python = find_python()?;
     say(&format!("making a Python environment with mujoco {MUJOCO} in {} (once)", place.display()));
     fs::create_dir_all(&home).map_err(|e| step(&place, "create the cache folder", e.to_string()))?;
-    // two runs at a time must not meet half an environment: made aside, then moved
+    // nobody must meet half an environment: made aside, then moved
     let making = home.join(format!(".mujoco-{MUJOCO}.{}", std::process::id()));
     let made = make(&python, &making);
     let done = made.and_then(|()| {
-        let _ = fs::remove_dir_all(&place);
+        if !ready() {
+            let _ = fs::remove_dir_all(&place);
+        }
         match fs::rename(&making, &place) {
-            // another run was first
-            Err(_) if place.join(READY).is_file() => Ok(()),
+            Err(_) if ready() => Ok(()),
             moved => moved.map_err(|e| step(&place, "move it into place", e.to_string())),
         }
     });
     let _ = fs::remove_dir_all(&making);
     done.map(|()| python_of(&place))
 }
+
+static TURN: Mutex<()> = Mutex::new(());
 
 /// Written when everything is installed.
 const READY: &str = "ready";

@@ -55,7 +55,7 @@ pub fn text(cross: &CrossCheck) -> String {
             short(c.ours) + &unit,
             short(c.mujoco) + &unit,
             format!("{e:.1e} {kind}"),
-            format!("{:.0e}", c.threshold),
+            format!("{}", c.threshold),
             c.at.clone(),
         ]);
     }
@@ -126,7 +126,7 @@ pub fn html(cross: &CrossCheck) -> Result<String, plots::FigureError> {
         let reason = c.reason.as_deref().map(|r| format!("<div class=reason>{}</div>", escape(r)));
         let _ = write!(
             rows,
-            "<tr class={class}><td>{class}</td><td>{}{}</td><td>{} {unit}</td><td>{} {unit}</td><td>{:.2e}</td><td>{:.2e}</td><td>{:.0e} {kind}</td><td>{}</td></tr>\n",
+            "<tr class={class}><td>{class}</td><td>{}{}</td><td>{} {unit}</td><td>{} {unit}</td><td>{:.2e}</td><td>{:.2e}</td><td>{} {kind}</td><td>{}</td></tr>\n",
             escape(&c.quantity),
             reason.unwrap_or_default(),
             short(c.ours),

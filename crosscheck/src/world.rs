@@ -214,9 +214,9 @@ impl Engine for MujocoWorld {
         }
     }
 
-    /// The constant acceleration that reaches `q_next` from the present pose and velocity would ring from
-    /// step to step; the one that brings the mean velocity of two steps does not, and its path meets the
-    /// poses to second order.
+    /// The root gets, at constant acceleration, the velocity that would carry it to `q_next` in one step. (The
+    /// acceleration that reaches `q_next` exactly rings from step to step.) The path lags by half a step where
+    /// it accelerates.
     fn move_root(&mut self, _: &State, q_next: &[f64]) {
         if !self.pinned() {
             return;
@@ -240,10 +240,13 @@ impl Engine for MujocoWorld {
     }
 
     fn step(&mut self) -> Result<(), WorldError> {
+        // drives stay as they are until they are set anew
+        let drives = self.request.len();
         self.request.extend(self.root);
         self.request.append(&mut self.wrenches);
         let (head, answer) =
             self.bridge.borrow_mut().call(&json!({"op": "step"}), &self.request).map_err(engine)?;
+        self.request.truncate(drives);
         self.steps += 1;
         let (nq, nv) = (self.layout.nq, self.layout.nv);
         if answer.len() < nq + nv || !(answer.len() - nq - nv).is_multiple_of(8) {

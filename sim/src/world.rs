@@ -157,6 +157,8 @@ impl World {
                 // the pass without bias makes contacts inelastic; a spring needs its rows converged instead
                 p.num_internal_stabilization_iterations = 0;
                 p.num_internal_pgs_iterations = SPRING_SWEEPS;
+                // contacts foreseen before they touch are rigid whatever the softness
+                p.normalized_prediction_distance = 0.0;
             }
         }
 
@@ -251,7 +253,9 @@ impl World {
 
     /// Puts the body at the pose `q` with velocity `v`.
     pub fn set_state(&mut self, q: &[f64], v: &[f64]) {
-        let Some(any) = self.any_joint else { return };
+        self.q.copy_from_slice(q);
+        self.v.copy_from_slice(v);
+        let Some(any) = self.any_joint else { return self.set_lone_body() };
         let (mb, _) = self.physics.multibody_joints.get_mut(any).expect("own joint");
         let mut displacement = vec![0.0; mb.ndofs()];
         let mut velocity = vec![0.0; mb.ndofs()];
@@ -292,8 +296,40 @@ impl World {
         mb.generalized_velocity_mut().copy_from_slice(&velocity);
         mb.forward_kinematics(&self.physics.bodies, false);
         mb.update_rigid_bodies(&mut self.physics.bodies, true);
-        self.q.copy_from_slice(q);
-        self.v.copy_from_slice(v);
+    }
+
+    /// A free root that carries nothing is no multibody for the engine, but a plain body, whose velocity is
+    /// that of its centre of mass.
+    fn set_lone_body(&mut self) {
+        let b = &self.model.bodies[0];
+        if !matches!(b.joint, Joint::Free) {
+            return;
+        }
+        let r = quat_at(&self.q, b.q_at + 3);
+        let shift = r * self.root_shift;
+        let omega = vec_at(&self.v, b.v_at + 3);
+        let at = Transform::from_parts((vec_at(&self.q, b.q_at) + shift).into(), r);
+        let body = &mut self.physics.bodies[self.handles[0]];
+        body.set_position(pose(&at), true);
+        body.set_linvel(to_glam(vec_at(&self.v, b.v_at) + omega.cross(&shift)), true);
+        body.set_angvel(to_glam(omega), true);
+    }
+
+    fn read_lone_body(&mut self) {
+        let b = &self.model.bodies[0];
+        if !matches!(b.joint, Joint::Free) {
+            return;
+        }
+        let body = &self.physics.bodies[self.handles[0]];
+        let r = from_rot(*body.rotation());
+        let omega = from_glam(body.angvel());
+        let shift = r * self.root_shift;
+        let at = from_glam(body.translation()) - shift;
+        let velocity = from_glam(body.linvel()) - omega.cross(&shift);
+        self.q[b.q_at..b.q_at + 3].copy_from_slice(at.as_slice());
+        self.q[b.q_at + 3..b.q_at + 7].copy_from_slice(&[r.w, r.i, r.j, r.k]);
+        self.v[b.v_at..b.v_at + 3].copy_from_slice(velocity.as_slice());
+        self.v[b.v_at + 3..b.v_at + 6].copy_from_slice(omega.as_slice());
     }
 
     fn prepare(&mut self) {
@@ -313,7 +349,7 @@ impl World {
     }
 
     fn read_state(&mut self) {
-        let Some(any) = self.any_joint else { return };
+        let Some(any) = self.any_joint else { return self.read_lone_body() };
         let (mb, _) = self.physics.multibody_joints.get(any).expect("own joint");
         let velocity = mb.generalized_velocity();
         for (b, &id) in self.model.bodies.iter().zip(&self.mb_link) {
