@@ -1,7 +1,9 @@
-//! Inertia of the whole body: mass matrix, centre of mass, momentum, energy, gravity stiffness.
+//! Inertia of the whole body: centre of mass, momentum and its rate, energy, gravity stiffness.
 //!
-//! In: a [`Model`] and its [`State`] at (q, v). Out: M(q) by the composite-rigid-body algorithm
-//! (Featherstone 2008, §6.2), momentum, energies, and the second derivative of the gravity potential.
+//! In: a [`Model`] and its [`State`] at (q, v). Out: what the body is and has as a whole, along world
+//! axes. Spatial momentum is the pair (linear, angular about a point): Featherstone 2008, §2.13, summed over
+//! bodies; about the centre of mass it is the centroidal momentum. The mass matrix is in
+//! [`crate::crba`].
 
 use motion::Vec3;
 use nalgebra::{DMatrix, Matrix3};
@@ -19,35 +21,32 @@ pub struct Momentum {
     pub angular: Vec3,
 }
 
-impl State {
-    /// Mass matrix (`nv × nv`), symmetric positive definite when every joint carries mass.
-    ///
-    /// `v̇ᵀ M v̇ / 2` is the kinetic energy; rows follow the layout of `v`.
-    pub fn mass_matrix(&mut self, model: &Model, m: &mut DMatrix<f64>) {
-        m.fill(0.0);
-        self.update_composites(model);
-        for (i, b) in model.bodies.iter().enumerate() {
-            let (mass, com, inertia) = self.composite[i];
-            let s = &self.bodies[i];
-            for_each_axis(b, &s.zero, |k, linear, angular| {
-                // momentum of everything outboard when only this axis moves at unit rate
-                let p = (linear + angular.cross(&(com - s.world.translation.vector))) * mass;
-                let h = inertia * angular;
-                let mut up = Some(i);
-                while let Some(a) = up {
-                    let sa = &self.bodies[a];
-                    let about = h + (com - sa.world.translation.vector).cross(&p);
-                    for_each_axis(&model.bodies[a], &sa.zero, |l, lin_a, ang_a| {
-                        let value = lin_a.dot(&p) + ang_a.dot(&about);
-                        m[(k, l)] = value;
-                        m[(l, k)] = value;
-                    });
-                    up = model.bodies[a].parent;
-                }
-            });
-        }
+impl Momentum {
+    /// Angular momentum about a point of the world, N·m·s: `L_o = L_c + (c − o) × P`.
+    pub fn about(&self, point: &Vec3) -> Vec3 {
+        self.angular + (self.com - point).cross(&self.linear)
     }
+}
 
+/// Rate of change of the momentum: the sum of all outside forces and moments, gravity included.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct MomentumRate {
+    /// Centre of mass, world, m.
+    pub com: Vec3,
+    /// Rate of linear momentum, N.
+    pub linear: Vec3,
+    /// Rate of angular momentum about the centre of mass, N·m.
+    pub angular: Vec3,
+}
+
+impl MomentumRate {
+    /// Rate of angular momentum about a fixed point of the world, N·m.
+    pub fn about(&self, point: &Vec3) -> Vec3 {
+        self.angular + (self.com - point).cross(&self.linear)
+    }
+}
+
+impl State {
     /// Mass, centre of mass and inertia (about it, world axes) of each body with all it carries.
     pub fn composites(&mut self, model: &Model) -> &[(f64, Vec3, Matrix3<f64>)] {
         self.update_composites(model);
@@ -82,6 +81,20 @@ impl State {
             angular += s.inertia * s.omega + (s.com - com).cross(&p);
         }
         Momentum { com, linear, angular }
+    }
+
+    /// Rate of the momentum when the velocity changes at `vd` (`nv`): linear, and centroidal angular.
+    ///
+    /// Newton's and Euler's equations summed over the bodies; no gravity enters, only kinematics.
+    pub fn momentum_rate(&mut self, model: &Model, v: &[f64], vd: &[f64]) -> MomentumRate {
+        self.accelerate(model, v, Some(vd), Vec3::zeros());
+        let com = self.com(model);
+        let (mut linear, mut angular) = (Vec3::zeros(), Vec3::zeros());
+        for (s, f) in self.bodies.iter().zip(&self.flow) {
+            linear += f.force;
+            angular += f.moment + (s.origin() - com).cross(&f.force);
+        }
+        MomentumRate { com, linear, angular }
     }
 
     /// Kinetic and potential energy, J; the potential is zero for masses at the world's origin.

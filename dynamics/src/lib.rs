@@ -10,9 +10,12 @@
 //! | [`anthropometry`] | a body for any human-like skeleton |
 //! | [`character`] | mass, inertia, shapes and contact points on a skeleton |
 //! | [`model`] | a character compiled for dynamics, and its world-frame state |
-//! | [`rnea`] | inverse dynamics with outside wrenches |
+//! | [`rnea`] | inverse dynamics with outside wrenches, bias, Coriolis terms, gravity load |
+//! | [`crba`] | mass matrix |
+//! | [`derivatives`] | slopes of inverse dynamics by pose, velocity and acceleration |
+//! | [`forward`] | accelerations from forces |
+//! | [`inertia`] | composites, momentum and its rate, energy, gravity stiffness |
 //! | [`ground_forces`] | ground forces required, given and measured, per foot |
-//! | [`inertia`] | mass matrix, momentum, energy, gravity stiffness |
 //! | [`penalty`] | the force of the ground on a point, from its height and slip |
 //! | [`pose_map`] | poses between a clip's skeleton and a character's |
 //! | [`trace`] | what a dynamic run recorded |
@@ -22,6 +25,9 @@ pub mod analysis;
 pub mod analysis_files;
 pub mod anthropometry;
 pub mod character;
+pub mod crba;
+pub mod derivatives;
+pub mod forward;
 pub mod ground_forces;
 pub mod inertia;
 pub mod model;
@@ -34,8 +40,10 @@ pub mod trace_npz;
 pub use analysis::{Analysis, AnalysisError, AnalysisOptions, Grade, Ground, analyze};
 pub use anthropometry::{BodyOptions, BodyReport, GuessError, guess_body, guess_body_of_clip};
 pub use character::{Body, Character, CharacterError, JointClass};
+pub use derivatives::InverseDerivatives;
+pub use forward::{ForwardDynamics, NoInertia};
 pub use ground_forces::{FootForce, GivenBy, GroundForces};
-pub use inertia::Momentum;
+pub use inertia::{Momentum, MomentumRate};
 pub use model::{Model, MovingBody, State};
 pub use penalty::Penalty;
 pub use pose_map::{PoseMap, PoseMapError};

@@ -10,11 +10,12 @@
 
 use std::sync::Arc;
 
-use motion::skeleton::vec_at;
-use motion::{Joint, Skeleton, Transform, Vec3};
-use nalgebra::Matrix3;
+use motion::skeleton::{quat_at, vec_at};
+use motion::{Joint, Quat, Skeleton, Transform, Vec3};
+use nalgebra::{Matrix3, Quaternion};
 
 use crate::Character;
+use crate::crba::Carried;
 
 /// One moving body: a link and every link welded to it.
 #[derive(Clone, Debug)]
@@ -25,6 +26,8 @@ pub struct MovingBody {
     pub parent: Option<usize>,
     /// Zero frame of its joint in the parent body's frame.
     pub parent_from_zero: Transform,
+    /// Rotation of the zero frame in the parent body's frame; `None` where it is the identity.
+    pub(crate) turned: Option<Matrix3<f64>>,
     /// Its joint.
     pub joint: Joint,
     /// Start of its joint value in `q`.
@@ -85,6 +88,7 @@ impl Model {
                 link: i,
                 parent,
                 parent_from_zero,
+                turned: turned(&parent_from_zero),
                 joint: link.joint,
                 q_at: skeleton.q_at(i),
                 v_at: skeleton.v_at(i),
@@ -115,6 +119,10 @@ impl Model {
     }
 }
 
+fn turned(t: &Transform) -> Option<Matrix3<f64>> {
+    (t.rotation != motion::Quat::identity()).then(|| *t.rotation.to_rotation_matrix().matrix())
+}
+
 /// Mass, centre of mass and inertia of two rigid bodies taken as one (parallel-axis theorem).
 pub fn fuse(a: (f64, Vec3, Matrix3<f64>), b: (f64, Vec3, Matrix3<f64>)) -> (f64, Vec3, Matrix3<f64>) {
     let mass = a.0 + b.0;
@@ -136,6 +144,8 @@ pub fn point_inertia(mass: f64, r: Vec3) -> Matrix3<f64> {
 pub struct BodyState {
     /// `world_from_body`.
     pub world: Transform,
+    /// Rotation of the body in the world: that of `world`, as a matrix.
+    pub rotation: Matrix3<f64>,
     /// Rotation of the joint's zero frame in the world: the axes of `v`.
     pub zero: Matrix3<f64>,
     /// Centre of mass, world, m.
@@ -146,6 +156,65 @@ pub struct BodyState {
     pub omega: Vec3,
     /// Velocity of the body's origin, world, m/s.
     pub velocity: Vec3,
+    /// Axis of a hinge or slide, world.
+    pub(crate) axis: Vec3,
+    /// From the parent body's origin to this body's, world, m.
+    pub(crate) arm: Vec3,
+    /// From the body's origin to its centre of mass, world, m.
+    pub(crate) to_com: Vec3,
+}
+
+impl BodyState {
+    /// Position of the body's origin, world, m.
+    pub fn origin(&self) -> Vec3 {
+        self.world.translation.vector
+    }
+
+    /// Linear and angular motion of the joint, `S v`, world axes.
+    #[inline(always)]
+    pub(crate) fn joint_motion(&self, b: &MovingBody, v: &[f64]) -> (Vec3, Vec3) {
+        let none = Vec3::zeros();
+        match b.joint {
+            Joint::Free => (self.zero * vec_at(v, b.v_at), self.zero * vec_at(v, b.v_at + 3)),
+            Joint::Spherical => (none, self.zero * vec_at(v, b.v_at)),
+            Joint::Revolute(_) => (none, self.axis * v[b.v_at]),
+            Joint::Prismatic(_) => (self.axis * v[b.v_at], none),
+            Joint::Fixed => (none, none),
+        }
+    }
+
+    /// Writes the joint's share of a force and a moment about the body's origin, `Sᵀ f`, into `out`.
+    #[inline(always)]
+    pub(crate) fn project(&self, b: &MovingBody, force: &Vec3, moment: &Vec3, out: &mut [f64]) {
+        let at = b.v_at;
+        match b.joint {
+            Joint::Free => {
+                let out = &mut out[at..at + 6];
+                out[..3].copy_from_slice(self.zero.tr_mul(force).as_slice());
+                out[3..].copy_from_slice(self.zero.tr_mul(moment).as_slice());
+            }
+            Joint::Spherical => out[at..at + 3].copy_from_slice(self.zero.tr_mul(moment).as_slice()),
+            Joint::Revolute(_) => out[at] = self.axis.dot(moment),
+            Joint::Prismatic(_) => out[at] = self.axis.dot(force),
+            Joint::Fixed => {}
+        }
+    }
+}
+
+/// Force and moment about a body's origin, and the accelerations they came from.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Flow {
+    pub alpha: Vec3,
+    pub accel: Vec3,
+    pub force: Vec3,
+    pub moment: Vec3,
+}
+
+impl Flow {
+    pub(crate) fn zero() -> Self {
+        let o = Vec3::zeros();
+        Self { alpha: o, accel: o, force: o, moment: o }
+    }
 }
 
 /// Kinematics of all bodies of a model in one state, and scratch for the algorithms.
@@ -153,11 +222,9 @@ pub struct BodyState {
 pub struct State {
     /// One per body.
     pub bodies: Vec<BodyState>,
-    pub(crate) alpha: Vec<Vec3>,
-    pub(crate) accel: Vec<Vec3>,
-    pub(crate) force: Vec<Vec3>,
-    pub(crate) moment: Vec<Vec3>,
+    pub(crate) flow: Vec<Flow>,
     pub(crate) composite: Vec<(f64, Vec3, Matrix3<f64>)>,
+    pub(crate) carried: Vec<Carried>,
 }
 
 impl State {
@@ -166,47 +233,89 @@ impl State {
         let n = model.bodies.len();
         let body = BodyState {
             world: Transform::identity(),
+            rotation: Matrix3::identity(),
             zero: Matrix3::identity(),
             com: Vec3::zeros(),
             inertia: Matrix3::zeros(),
             omega: Vec3::zeros(),
             velocity: Vec3::zeros(),
+            axis: Vec3::zeros(),
+            arm: Vec3::zeros(),
+            to_com: Vec3::zeros(),
         };
         let mut state = Self {
             bodies: vec![body; n],
-            alpha: vec![Vec3::zeros(); n],
-            accel: vec![Vec3::zeros(); n],
-            force: vec![Vec3::zeros(); n],
-            moment: vec![Vec3::zeros(); n],
+            flow: vec![Flow::zero(); n],
             composite: vec![(0.0, Vec3::zeros(), Matrix3::zeros()); n],
+            carried: vec![Carried::default(); n],
         };
         state.update(model, &model.skeleton.zero_pose(), &vec![0.0; model.nv()]);
         state
     }
 
     /// Recomputes positions and velocities for the pose `q` (`nq`) and velocity `v` (`nv`).
+    ///
+    /// [`State::update_pose`], then Featherstone 2008, (5.7): velocities outward.
     pub fn update(&mut self, model: &Model, q: &[f64], v: &[f64]) {
+        self.update_pose(model, q);
         for (i, b) in model.bodies.iter().enumerate() {
-            let (parent_world, omega_p, velocity_p, origin_p) = match b.parent {
+            let s = &self.bodies[i];
+            let (linear, angular) = s.joint_motion(b, v);
+            let (omega, velocity) = match b.parent {
                 Some(p) => {
-                    let s = &self.bodies[p];
-                    (s.world, s.omega, s.velocity, s.world.translation.vector)
+                    let p = &self.bodies[p];
+                    (p.omega + angular, p.velocity + p.omega.cross(&s.arm) + linear)
                 }
-                None => (Transform::identity(), Vec3::zeros(), Vec3::zeros(), Vec3::zeros()),
+                None => (angular, linear),
             };
-            let zero = parent_world * b.parent_from_zero;
-            let world = zero * model.skeleton.joint_transform(q, b.link);
-            let zero_r = *zero.rotation.to_rotation_matrix().matrix();
-            let (linear, angular) = joint_motion(&b.joint, v, b.v_at);
-            let r = world.rotation.to_rotation_matrix();
             let s = &mut self.bodies[i];
-            s.world = world;
-            s.zero = zero_r;
-            s.com = (world * nalgebra::Point3::from(b.com)).coords;
-            s.inertia = r.matrix() * b.inertia * r.matrix().transpose();
-            s.omega = omega_p + zero_r * angular;
-            let arm = world.translation.vector - origin_p;
-            s.velocity = velocity_p + omega_p.cross(&arm) + zero_r * linear;
+            (s.omega, s.velocity) = (omega, velocity);
+        }
+    }
+
+    /// Recomputes positions for the pose `q` (`nq`); velocities stay as they were.
+    ///
+    /// Enough for what depends on the pose alone: mass matrix, centre of mass, composites, gravity.
+    pub fn update_pose(&mut self, model: &Model, q: &[f64]) {
+        for (i, b) in model.bodies.iter().enumerate() {
+            let offset = b.parent_from_zero.translation.vector;
+            let (turn, rotation, mut arm, base) = match b.parent {
+                Some(p) => {
+                    let p = &self.bodies[p];
+                    (p.world.rotation, p.rotation, p.rotation * offset, p.origin())
+                }
+                None => (Quat::identity(), Matrix3::identity(), offset, Vec3::zeros()),
+            };
+            let (zero, turn) = match &b.turned {
+                Some(turned) => (rotation * turned, turn * b.parent_from_zero.rotation),
+                None => (rotation, turn),
+            };
+            let s = &mut self.bodies[i];
+            let turn = match b.joint {
+                Joint::Free => {
+                    arm += zero * vec_at(q, b.q_at);
+                    turn * quat_at(q, b.q_at + 3)
+                }
+                Joint::Spherical => turn * quat_at(q, b.q_at),
+                Joint::Revolute(axis) => {
+                    s.axis = zero * axis;
+                    let (sin, cos) = (0.5 * q[b.q_at]).sin_cos();
+                    turn * Quat::new_unchecked(Quaternion::from_parts(cos, axis * sin))
+                }
+                Joint::Prismatic(axis) => {
+                    s.axis = zero * axis;
+                    arm += s.axis * q[b.q_at];
+                    turn
+                }
+                Joint::Fixed => turn,
+            };
+            s.zero = zero;
+            s.rotation = *turn.to_rotation_matrix().matrix();
+            s.arm = arm;
+            s.world = Transform::from_parts((base + arm).into(), turn);
+            s.to_com = s.rotation * b.com;
+            s.com = s.world.translation.vector + s.to_com;
+            s.inertia = turned_inertia(&s.rotation, &b.inertia);
         }
     }
 
@@ -230,15 +339,14 @@ impl State {
     }
 }
 
-/// Linear and angular part of a joint's motion `S v`, along its zero frame's axes.
-pub(crate) fn joint_motion(joint: &Joint, v: &[f64], at: usize) -> (Vec3, Vec3) {
-    match joint {
-        Joint::Free => (vec_at(v, at), vec_at(v, at + 3)),
-        Joint::Spherical => (Vec3::zeros(), vec_at(v, at)),
-        Joint::Revolute(axis) => (Vec3::zeros(), axis * v[at]),
-        Joint::Prismatic(axis) => (axis * v[at], Vec3::zeros()),
-        Joint::Fixed => (Vec3::zeros(), Vec3::zeros()),
-    }
+/// R I Rᵀ for a symmetric I: six entries, mirrored.
+#[inline(always)]
+fn turned_inertia(r: &Matrix3<f64>, inertia: &Matrix3<f64>) -> Matrix3<f64> {
+    let half = r * inertia;
+    let entry =
+        |i: usize, j: usize| half[(i, 0)] * r[(j, 0)] + half[(i, 1)] * r[(j, 1)] + half[(i, 2)] * r[(j, 2)];
+    let (xy, xz, yz) = (entry(0, 1), entry(0, 2), entry(1, 2));
+    Matrix3::new(entry(0, 0), xy, xz, xy, entry(1, 1), yz, xz, yz, entry(2, 2))
 }
 
 /// Columns of a joint's motion subspace along world axes: calls `f(dof, linear, angular)` for each.

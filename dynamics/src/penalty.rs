@@ -1,4 +1,4 @@
-//! Penalty contact: the force the ground gives to a point at a height and a velocity [YAH10, §5.3].
+//! Penalty contact: the force the ground gives to a point at a height and a velocity \[YAH10, §5.3\].
 //!
 //! In: height and slip of a point and their rates. Out: force on the point, and its gradients. A
 //! function of the kinematics alone: no engine, no solver, no memory but the anchors given.
@@ -42,7 +42,7 @@
 //! Frames and symbols: world axes, Y up; tangential pairs are `[x, z]`. `z` (m) height above the ground,
 //! `ż` (m/s), slip `r − r̂` (m), `ṙ` (m/s). Forces in N.
 //!
-//! [YAH10] Yamane, Ariki, Hodgins. Animating Non-Humanoid Characters with Human Motion Data, SCA 2010.
+//! \[YAH10\] Yamane, Ariki, Hodgins. Animating Non-Humanoid Characters with Human Motion Data, SCA 2010.
 
 use motion::Vec3;
 use nalgebra::{Matrix2, Matrix3x2, Vector2};
@@ -121,7 +121,7 @@ pub struct PointForce {
 }
 
 impl Penalty {
-    /// The values printed in [YAH10, §6], adhesion included.
+    /// The values printed in \[YAH10, §6\], adhesion included.
     ///
     /// They suit bodies of a few kilograms: 75 kg on 8 points sinks 9 mm, and `k_D = 1` hardly damps.
     pub fn paper() -> Self {

@@ -1,16 +1,23 @@
 //! Inverse dynamics: the recursive Newton–Euler algorithm with outside wrenches.
 //!
 //! In: a [`Model`], its [`State`] at (q, v), an acceleration, wrenches from outside. Out: generalised
-//! forces `τ = M(q) v̇ + c(q, v) − Σ Jᵀ w`. For a free root the first six entries are the wrench the
-//! root would need from nowhere: zero when the outside wrenches explain the motion.
+//! forces `τ = M(q) v̇ + C(q, v) v + g(q) − Σ Jᵀ w` (`nv`), or a part of that sum. For a free root the
+//! first six entries are the wrench the root would need from nowhere: zero when the outside wrenches
+//! explain the motion.
 //!
-//! Featherstone 2008, §5.3, Table 5.1, in world axes: (5.9) accelerations outward, (5.10) forces
-//! inward. Gravity enters as an upward acceleration of the base.
+//! `q`, `v`, `v̇`, `τ` have the layout of [`motion::skeleton`]: along the axes of each joint's zero frame,
+//! N and N·m; a wrench is along world axes. `v̇` is the rate of the components of `v`: for a free root
+//! the acceleration of its origin, not Featherstone's spatial one.
+//!
+//! Featherstone, Rigid Body Dynamics Algorithms, 2008, §5.3, Table 5.1, written in 3-vectors along world
+//! axes about the bodies' own origins: (5.7) velocities, in [`State::update`]; (5.8) accelerations
+//! outward; (5.9) the force each body needs; (5.10) forces inward, less the outside wrenches; (5.11)
+//! `τ = Sᵀ f`. Gravity enters as an upward acceleration of the base. Nothing here allocates.
 
 use motion::skeleton::vec_at;
 use motion::{Joint, Vec3};
 
-use crate::model::{Model, State, joint_motion};
+use crate::model::{Flow, Model, State};
 
 /// A force and a moment that act on a link from outside.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -51,62 +58,79 @@ impl State {
         wrenches: &[Wrench],
         tau: &mut [f64],
     ) {
-        for (i, b) in model.bodies.iter().enumerate() {
-            let s = &self.bodies[i];
-            let (omega_p, alpha_p, accel_p, origin_p) = match b.parent {
-                Some(p) => (
-                    self.bodies[p].omega,
-                    self.alpha[p],
-                    self.accel[p],
-                    self.bodies[p].world.translation.vector,
-                ),
-                None => (Vec3::zeros(), Vec3::zeros(), -model.gravity, Vec3::zeros()),
-            };
-            let (v_lin, v_ang) = joint_motion(&b.joint, v, b.v_at);
-            let (a_lin, a_ang) = joint_motion(&b.joint, vd, b.v_at);
-            let arm = s.world.translation.vector - origin_p;
-            let spin = s.zero * v_ang;
-            let alpha = alpha_p + s.zero * a_ang + omega_p.cross(&spin);
-            let accel = accel_p
-                + alpha_p.cross(&arm)
-                + omega_p.cross(&omega_p.cross(&arm))
-                + omega_p.cross(&(s.zero * v_lin)) * 2.0
-                + s.zero * a_lin;
-            let to_com = s.com - s.world.translation.vector;
-            let accel_com = accel + alpha.cross(&to_com) + s.omega.cross(&s.omega.cross(&to_com));
-            let force = accel_com * b.mass;
-            let moment = s.inertia * alpha + s.omega.cross(&(s.inertia * s.omega));
-            self.alpha[i] = alpha;
-            self.accel[i] = accel;
-            self.force[i] = force;
-            self.moment[i] = moment + to_com.cross(&force); // about the body's origin
-        }
+        self.accelerate(model, v, Some(vd), -model.gravity);
         for w in wrenches {
             let body = model.body_of[w.link].0;
-            let origin = self.bodies[body].world.translation.vector;
-            self.force[body] -= w.force;
-            self.moment[body] -= w.moment + (w.point - origin).cross(&w.force);
+            let flow = &mut self.flow[body];
+            flow.force -= w.force;
+            flow.moment -= w.moment_about(&self.bodies[body].origin());
         }
-        for (i, b) in model.bodies.iter().enumerate().rev() {
-            let (force, moment) = (self.force[i], self.moment[i]);
+        self.gather(model, tau);
+    }
+
+    /// Forces that keep the velocity constant (`nv`): `c(q, v) = C(q, v) v + g(q)`, Featherstone's C.
+    ///
+    /// Inverse dynamics of no acceleration and no wrench: Coriolis, centrifugal and gravity terms.
+    pub fn bias(&mut self, model: &Model, v: &[f64], tau: &mut [f64]) {
+        self.accelerate(model, v, None, -model.gravity);
+        self.gather(model, tau);
+    }
+
+    /// Coriolis and centrifugal part of [`State::bias`] alone, `C(q, v) v` (`nv`).
+    pub fn coriolis(&mut self, model: &Model, v: &[f64], tau: &mut [f64]) {
+        self.accelerate(model, v, None, Vec3::zeros());
+        self.gather(model, tau);
+    }
+
+    /// Forces that hold the pose at rest, `g(q)` (`nv`): the slope of the gravity potential.
+    pub fn gravity_load(&mut self, model: &Model, tau: &mut [f64]) {
+        for (i, b) in model.bodies.iter().enumerate() {
+            let force = model.gravity * -b.mass;
+            self.flow[i].force = force;
+            self.flow[i].moment = self.bodies[i].to_com.cross(&force);
+        }
+        self.gather(model, tau);
+    }
+
+    /// Accelerations outward from a base that accelerates at `base`, and the force and moment about its
+    /// origin that each body alone needs: (5.8), (5.9).
+    pub(crate) fn accelerate(&mut self, model: &Model, v: &[f64], vd: Option<&[f64]>, base: Vec3) {
+        for (i, b) in model.bodies.iter().enumerate() {
             let s = &self.bodies[i];
-            let at = b.v_at;
-            match b.joint {
-                Joint::Free => {
-                    tau[at..at + 3].copy_from_slice((s.zero.transpose() * force).as_slice());
-                    tau[at + 3..at + 6].copy_from_slice((s.zero.transpose() * moment).as_slice());
+            let (v_lin, v_ang) = s.joint_motion(b, v);
+            let (mut alpha, mut accel) = match b.parent {
+                Some(p) => {
+                    let (omega, up) = (&self.bodies[p].omega, &self.flow[p]);
+                    let carried = omega.cross(&s.arm) + v_lin * 2.0;
+                    (
+                        up.alpha + omega.cross(&v_ang),
+                        up.accel + up.alpha.cross(&s.arm) + omega.cross(&carried),
+                    )
                 }
-                Joint::Spherical => {
-                    tau[at..at + 3].copy_from_slice((s.zero.transpose() * moment).as_slice());
-                }
-                Joint::Revolute(axis) => tau[at] = (s.zero * axis).dot(&moment),
-                Joint::Prismatic(axis) => tau[at] = (s.zero * axis).dot(&force),
-                Joint::Fixed => {}
+                None => (Vec3::zeros(), base),
+            };
+            if let Some(vd) = vd {
+                let (a_lin, a_ang) = s.joint_motion(b, vd);
+                alpha += a_ang;
+                accel += a_lin;
             }
+            let spin = s.omega.cross(&s.to_com);
+            let force = (accel + alpha.cross(&s.to_com) + s.omega.cross(&spin)) * b.mass;
+            let moment = s.inertia * alpha + s.omega.cross(&(s.inertia * s.omega)) + s.to_com.cross(&force);
+            self.flow[i] = Flow { alpha, accel, force, moment };
+        }
+    }
+
+    /// Forces inward: each joint's share of what its body and all it carries need, (5.10), (5.11).
+    fn gather(&mut self, model: &Model, tau: &mut [f64]) {
+        for (i, b) in model.bodies.iter().enumerate().rev() {
+            let s = &self.bodies[i];
+            let Flow { force, moment, .. } = self.flow[i];
+            s.project(b, &force, &moment, tau);
             if let Some(p) = b.parent {
-                let arm = s.world.translation.vector - self.bodies[p].world.translation.vector;
-                self.force[p] += force;
-                self.moment[p] += moment + arm.cross(&force);
+                let up = &mut self.flow[p];
+                up.force += force;
+                up.moment += moment + s.arm.cross(&force);
             }
         }
     }

@@ -4,9 +4,10 @@
 
 use std::path::Path;
 
-use dynamics::{Analysis, AnalysisOptions, BodyOptions, analyze, guess_body_of_clip};
+use dynamics::{Analysis, AnalysisOptions, BodyOptions, Grade, PoseMap, analyze, guess_body_of_clip};
 use motion::Clip;
 use motion::format::bvh::{ImportOptions, read_file};
+use motion::metrics::feet;
 
 fn clip(name: &str) -> Clip {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join(format!("../../shared/mocap/bvh/{name}.bvh"));
@@ -19,68 +20,122 @@ fn analysed(name: &str) -> Analysis {
     analyze(&character, &clip, &AnalysisOptions::default()).unwrap()
 }
 
-fn column(table: &[f64], columns: usize, at: usize) -> Vec<f64> {
-    table.iter().skip(at).step_by(columns).copied().collect()
-}
-
 fn mean(x: &[f64]) -> f64 {
     x.iter().sum::<f64>() / x.len() as f64
 }
 
+/// Everything at a glance: what a biomechanist would look at first.
 #[test]
 fn table() {
-    for name in ["14_37", "127_01", "05_06", "02_01", "16_35", "16_21", "16_03", "09_01", "49_05"] {
+    println!(
+        "clip     frames  cut-off  ground  F_y/weight mean, most, least  flight  cone  cop (worst)  \
+         residual N peak/rms, N·m peak/rms            noise N, N·m  jumps"
+    );
+    for name in ["14_37", "127_01", "02_01", "16_21", "16_35", "09_01", "16_03", "49_05", "05_06"] {
         let a = analysed(name);
-        let fy = column(&a.required_force, 3, 1);
-        let n = a.frames();
-        let max = |x: &[f64]| x.iter().fold(0.0, |m: f64, v| m.max(v.abs()));
+        let fy = vertical(&a);
+        let (most, least) = fy.iter().fold((f64::MIN, f64::MAX), |(a, b), x| (a.max(*x), b.min(*x)));
+        let r = a.graded;
         println!(
-            "{name:8} n {n} rate {:.0} m {:.1} ground {:+.3} Fy/W mean {:.3} max {:.2} min {:.2} flight {} \
-             cone {} ({:.2}) cop {} ({:.3}) residual F {:.0}/{:.0} M {:.0}/{:.0} {} noise F {:.0} tau {:.1} cutoff {:.1} ({:.1e} {:.2}) tau max {:.0}",
-            a.rate_hz(),
-            a.mass,
+            "{name:8} {:6} {:5.1} Hz {:+.3} m {:13.3} {most:6.2} {least:6.2} {:14} {:5} {:4} ({:.2} m)  \
+             {:8.0} {:4.0} {:8.0} {:4.0} {:10}  {:8.0} {:5.1} {:6}",
+            a.frames(),
+            a.smoothing.cutoff_hz,
             a.ground_m.unwrap(),
-            mean(&fy) / a.weight(),
-            max(&fy) / a.weight(),
-            fy.iter().copied().fold(f64::INFINITY, f64::min) / a.weight(),
+            mean(&fy),
             a.flight.iter().filter(|f| **f).count(),
             a.friction_violations.frames.len(),
-            a.friction_violations.worst,
             a.support_violations.frames.len(),
             a.support_violations.worst,
-            a.graded.force_peak,
-            a.graded.force_rms,
-            a.graded.moment_peak,
-            a.graded.moment_rms,
-            a.graded.grade(),
+            r.force_peak,
+            r.force_rms,
+            r.moment_peak,
+            r.moment_rms,
+            r.grade().to_string(),
             a.noise.force,
             a.noise.tau[6..].iter().copied().fold(0.0, f64::max),
-            a.smoothing.cutoff_hz,
-            a.smoothing.strength.density,
-            a.smoothing.strength.colour,
-            max(&a.tau),
+            a.jumps.len(),
         );
     }
 }
 
+/// Vertical required force, body weights.
+fn vertical(a: &Analysis) -> Vec<f64> {
+    a.required_force.iter().skip(1).step_by(3).map(|f| f / a.weight()).collect()
+}
+
+/// Who stands carries its weight, on its feet, frame by frame.
 #[test]
-#[ignore]
-fn dump() {
-    for name in ["16_35", "16_03", "02_01"] {
+fn standing_clips_carry_their_weight() {
+    for name in ["14_37", "127_01"] {
         let a = analysed(name);
-        println!("{name}");
-        for k in (0..a.frames()).step_by(3) {
-            print!("{k:4} Fy {:5.2}", a.required_force[3 * k + 1] / a.weight());
-            for f in &a.feet {
-                print!(
-                    " | {} h {:6.3} s {:5.2} cop {:6.2}",
-                    if f.contact[k] { "C" } else { "-" },
-                    f.height[k],
-                    f.share[k],
-                    f.cop[3 * k + 2]
-                );
-            }
-            println!(" want {:5.2} {:5.2}", a.cop[3 * k], a.cop[3 * k + 2]);
+        let fy = vertical(&a);
+        assert!((mean(&fy) - 1.0).abs() < 0.002, "{name}: {}", mean(&fy)); // 2e-4 seen
+        assert!(fy.iter().all(|f| (f - 1.0).abs() < 0.05), "{name}"); // 0.012 seen
+        assert!(a.flight.iter().all(|f| !f) && a.support_violations.frames.is_empty(), "{name}");
+        assert_eq!(a.graded.grade(), Grade::Good, "{name}");
+        assert!(a.jumps.is_empty());
+    }
+}
+
+/// A level walk: mean force one body weight, two humps of 1.05 to 1.35 and a valley of 0.6 to 0.9 (as in
+/// every textbook), no flight, no slip, and the force changes feet.
+#[test]
+fn walks_have_two_humps() {
+    for name in ["02_01", "16_21"] {
+        let a = analysed(name);
+        let fy = vertical(&a);
+        assert!((mean(&fy) - 1.0).abs() < 0.02, "{name}: {}", mean(&fy));
+        let (most, least) = fy.iter().fold((f64::MIN, f64::MAX), |(a, b), x| (a.max(*x), b.min(*x)));
+        assert!((1.05..1.35).contains(&most) && (0.6..0.9).contains(&least), "{name}: {most} {least}");
+        assert!(a.flight.iter().all(|f| !f) && a.friction_violations.frames.is_empty(), "{name}");
+        for foot in &a.feet {
+            let alone = foot.share.iter().filter(|s| **s > 0.999).count() as f64 / a.frames() as f64;
+            assert!((0.25..0.55).contains(&alone), "{name} {}: alone {alone}", foot.name);
         }
+        assert!((4.0..9.0).contains(&a.smoothing.cutoff_hz));
+    }
+}
+
+/// A jump: nothing is needed in the air, three body weights at most around it, and the momentum of the
+/// flight is gravity's.
+#[test]
+fn a_jump_flies() {
+    let a = analysed("16_03");
+    let fy = vertical(&a);
+    // the smoother spreads push-off and landing by about 1/(2 · cut-off): look at the middle half
+    let air: Vec<usize> = (0..a.frames()).filter(|&k| a.flight[k]).collect();
+    let quarter = air.len() / 4;
+    let middle: Vec<f64> = air[quarter..air.len() - quarter].iter().map(|&k| fy[k]).collect();
+    println!("in the air: {} frames, mean {:.3} body weights", air.len(), mean(&middle));
+    assert!(air.len() > 50 && mean(&middle).abs() < 0.15, "{}", mean(&middle));
+    let most = fy.iter().fold(0.0, |a: f64, b| a.max(*b));
+    assert!((2.0..4.5).contains(&most), "{most}");
+}
+
+/// A recording whose hips flip over is named as such, not believed.
+#[test]
+fn flipped_recordings_are_named() {
+    let a = analysed("05_06");
+    assert!(a.jumps.len() > 10, "{}", a.jumps.len());
+    assert_eq!(a.graded.grade(), Grade::Poor);
+    let worst = a.jumps.iter().map(|j| j.angle).fold(0.0, f64::max);
+    assert!(worst > 3.0, "{worst}");
+}
+
+/// One response for all joints: smoothing does not set planted feet sliding.
+#[test]
+fn smoothing_keeps_planted_feet() {
+    for name in ["14_37", "02_01", "16_21"] {
+        let given = clip(name);
+        let (character, _) = guess_body_of_clip(&given, &BodyOptions::default()).unwrap();
+        let a = analyze(&character, &given, &AnalysisOptions::default()).unwrap();
+        let map = PoseMap::new(&given.skeleton, &character.skeleton).unwrap();
+        let before = map.clip_to_character(&given, &character.skeleton);
+        let sites: Vec<_> = character.contacts.iter().map(|&c| &character.skeleton.sites()[c]).collect();
+        let skate = |clip: &Clip| feet(clip, &sites, a.ground_m.unwrap()).skate_mm_s;
+        let (raw, smooth) = (skate(&before), skate(&a.clip));
+        println!("{name}: skate {raw:.1} mm/s raw, {smooth:.1} smoothed");
+        assert!(smooth < 1.05 * raw + 1.0, "{name}: {raw} {smooth}");
     }
 }

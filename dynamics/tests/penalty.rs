@@ -22,12 +22,12 @@ fn presets() -> [(&'static str, Penalty); 2] {
     [("paper", Penalty::paper()), ("ours", Penalty::for_body(75.0, 9.81, 8, 0.0015).unwrap())]
 }
 
-/// Analytic gradients against central differences, with Richardson's extrapolation.
+/// Analytic gradients against central differences, with Richardson's extrapolation; relative to the column
+/// or, where it vanishes, to the stiffness or damping of its kind. 1e-8 seen.
 #[test]
 fn gradients_are_the_slopes() {
     for (name, p) in presets() {
         let mut r = Numbers(0.2);
-        let mut worst: f64 = 0.0;
         for i in 0..2000 {
             // heights on both sides of 0, from 0.1 mm to 30 mm
             let z = 0.0301f64.powf(1.0 + 0.6 * (1.0 + r.next()) / 2.0) * r.next().signum();
@@ -62,11 +62,9 @@ fn gradients_are_the_slopes() {
                 let h = steps[k] * 1e-1;
                 let refined = (slope(0.5 * h) * 4.0 - slope(h)) / 3.0;
                 let error = (refined - columns[k]).norm() / columns[k].norm().max(sizes[k]);
-                worst = worst.max(error);
                 assert!(error < 1e-6, "{name}, component {k} at {x:?}: {refined} {}", columns[k]);
             }
         }
-        println!("{name}: {worst:e}");
     }
 }
 

@@ -1,13 +1,15 @@
 //! Velocities and accelerations of a sampled clip.
 //!
-//! In: a [`Clip`] and a window. Out: `v` and `v̇` of every frame, in the layout of
-//! [`crate::skeleton`]. The one place where motion is differentiated.
+//! In: a [`Clip`]. Out: `v` and `v̇` of every frame, in the layout of [`crate::skeleton`]. The one place
+//! where motion is differentiated; for forces the clip goes through [`mod@crate::smooth`] first.
 //!
 //! Around frame `k` the path is written in the tangent space of its pose, `δ(t) = log(q(t) q_k⁻¹)`
 //! (quaternion logarithm for rotations), and a parabola is fitted to the frames of the window by least
 //! squares (Savitzky–Golay): its slope and curvature at `k` are `v` and `v̇`, because there
 //! `ω = δ̇` and `ω̇ = δ̈` exactly. Exact for constant acceleration; a wider window suppresses noise and
 //! rounds off anything faster. At the ends the window is one-sided.
+//!
+//! For a path without noise, central differences in the same tangent space are sharper.
 
 use crate::Clip;
 
@@ -42,6 +44,51 @@ impl Derivatives {
             }
         }
         out
+    }
+
+    /// Five-point central differences, exact for quartics; near the ends three-point ones, exact for
+    /// parabolas. Nothing is smoothed.
+    pub fn central(clip: &Clip) -> Self {
+        let (frames, nv, rate) = (clip.frames(), clip.skeleton.nv(), clip.rate_hz);
+        let mut out = Self { v: vec![0.0; frames * nv], vd: vec![0.0; frames * nv] };
+        let mut delta = vec![0.0; nv];
+        for k in 0..frames {
+            let (v, vd) = (&mut out.v[k * nv..(k + 1) * nv], &mut out.vd[k * nv..(k + 1) * nv]);
+            for &(offset, slope, bend) in stencil(k, frames) {
+                let at = k.wrapping_add_signed(offset);
+                clip.skeleton.difference(clip.pose(k), clip.pose(at), 1.0, &mut delta);
+                for i in 0..nv {
+                    v[i] += slope * rate * delta[i];
+                    vd[i] += bend * rate * rate * delta[i];
+                }
+            }
+        }
+        out
+    }
+}
+
+type Stencil = &'static [(isize, f64, f64)];
+
+/// Neighbours of a frame with their weights for slope and curvature, per frame; the frame's own is zero in
+/// its tangent space.
+fn stencil(k: usize, frames: usize) -> Stencil {
+    const FIVE: Stencil = &[
+        (-2, 1.0 / 12.0, -1.0 / 12.0),
+        (-1, -8.0 / 12.0, 16.0 / 12.0),
+        (1, 8.0 / 12.0, 16.0 / 12.0),
+        (2, -1.0 / 12.0, -1.0 / 12.0),
+    ];
+    const THREE: Stencil = &[(-1, -0.5, 1.0), (1, 0.5, 1.0)];
+    const FIRST: Stencil = &[(1, 2.0, -2.0), (2, -0.5, 1.0)];
+    const LAST: Stencil = &[(-1, -2.0, -2.0), (-2, 0.5, 1.0)];
+    match frames {
+        0 | 1 => &[],
+        2 if k == 0 => &[(1, 1.0, 0.0)],
+        2 => &[(-1, -1.0, 0.0)],
+        _ if k == 0 => FIRST,
+        _ if k == frames - 1 => LAST,
+        _ if k == 1 || k == frames - 2 => THREE,
+        _ => FIVE,
     }
 }
 

@@ -1,7 +1,7 @@
 //! What a plane ground can give of a required wrench, and how the soles share it.
 //!
 //! In: corners of the soles, their heights and speeds, a required wrench. Out: an admissible wrench per
-//! foot. No memory: every frame by itself. The ground is the plane y = `h`, at rest.
+//! foot. No memory: every frame by itself. The ground is the plane y = `h`; a treadmill's moves.
 //!
 //! *Contact.* A corner at height z above the ground and with speed u touches by
 //! `α = s(z/height) · s(u/speed)`, where s falls from 1 at ½ to 0 at 1 (cubic); of these the foot's
@@ -30,8 +30,9 @@ use crate::{Character, Model, State, Wrench};
 
 /// Distance outside the support polygon that counts as a violation, m.
 pub const COP_SLACK: f64 = 1e-3;
-/// Least vertical force that has a centre of pressure, as a share of body weight.
-const LEAST_LOAD: f64 = 0.02;
+/// Least vertical force that has a centre of pressure, as a share of body weight: below, the noise of the
+/// moment moves it by decimetres.
+pub const LEAST_LOAD: f64 = 0.1;
 /// Least touch α of a corner.
 const LEAST_TOUCH: f64 = 1e-3;
 
@@ -53,13 +54,15 @@ pub enum Ground {
 pub struct Contact {
     /// Height at which contact is lost, m.
     pub height_m: f64,
-    /// Speed at which contact is lost, m/s.
+    /// Speed against the ground at which contact is lost, m/s.
     pub speed_m_s: f64,
+    /// Velocity of the ground, world, m/s: of the belt of a treadmill.
+    pub ground_velocity: Vec3,
 }
 
 impl Default for Contact {
     fn default() -> Self {
-        Self { height_m: 0.05, speed_m_s: 1.2 }
+        Self { height_m: 0.05, speed_m_s: 1.2, ground_velocity: Vec3::zeros() }
     }
 }
 
@@ -213,7 +216,7 @@ impl Floor {
         let height = match options.ground {
             Ground::None => None,
             Ground::At(height) => Some(height),
-            Ground::Detect => detect(model, state, soles, clip, v, options.contact.speed_m_s),
+            Ground::Detect => detect(model, state, soles, clip, v, &options.contact),
         };
         let least_load = LEAST_LOAD * model.mass * options.gravity.norm();
         Self { height, friction: options.friction, contact: options.contact, least_load }
@@ -299,7 +302,7 @@ impl Floor {
             foot.height = f64::INFINITY;
             for (link, at) in &sole.corners {
                 let p = state.point(model, *link, at);
-                let speed = state.point_velocity(model, *link, at).norm();
+                let speed = (state.point_velocity(model, *link, at) - self.contact.ground_velocity).norm();
                 let above = p.y - height;
                 let touch = fade(above / self.contact.height_m) * fade(speed / self.contact.speed_m_s);
                 s.touch[j] = if touch > LEAST_TOUCH { touch } else { 0.0 };
@@ -329,7 +332,7 @@ fn pressure_center(com: Vec3, force: Vec3, moment_com: Vec3, height: f64) -> Vec
 
 /// Pressures of touching corners with their centre at `aim` (in the hull of them): see the module header.
 ///
-/// Returns the centre reached, equal to `aim` within about 1e-6 m.
+/// Returns the centre reached, equal to `aim` within about 1e-8 m.
 ///
 /// The dual problem is solved by Newton's method: `w = α max(0, a·λ)` with `a = (1, x, z)`; it minimises
 /// `½ Σ α max(0, a·λ)² − b·λ + ½ ε |λ|²`, whose gradient is the condition on Σ w and Σ w x.
@@ -386,7 +389,7 @@ fn detect(
     soles: &Soles,
     clip: &Clip,
     v: &[f64],
-    speed: f64,
+    contact: &Contact,
 ) -> Option<f64> {
     const FRAMES: usize = 1000;
     let step = clip.frames().div_ceil(FRAMES).max(1);
@@ -398,7 +401,8 @@ fn detect(
             .map(|(link, at)| (state.point(model, *link, at).y, *link, *at))
             .min_by(|a, b| a.0.total_cmp(&b.0))?;
         all = all.min(lowest.0);
-        if state.point_velocity(model, lowest.1, &lowest.2).norm() < speed {
+        let velocity = state.point_velocity(model, lowest.1, &lowest.2) - contact.ground_velocity;
+        if velocity.norm() < contact.speed_m_s {
             slow.push(lowest.0);
         }
     }
@@ -407,4 +411,72 @@ fn detect(
     }
     let middle = slow.len() / 2;
     Some(*slow.select_nth_unstable_by(middle, f64::total_cmp).1)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Two soles 0.1 × 0.25 m, 0.3 m apart, at height 0.2.
+    fn corners() -> Vec<Vec3> {
+        let sole = [(0.0, 0.0), (0.1, 0.0), (0.1, 0.25), (0.0, 0.25)];
+        let at = |x: f64| sole.map(|(dx, z)| Vec3::new(x + dx, 0.2, z));
+        [at(-0.25), at(0.15)].concat()
+    }
+
+    /// Between equal feet side by side the load is shared nearly by distance: with all corners pressed, the
+    /// right foot's share is ½ + c·x̄/(2σ²), x̄ = 0.2 m its middle, σ² = 0.0425 m² the corners' mean square.
+    #[test]
+    fn equal_feet_share_by_distance() {
+        let at = corners();
+        for c in [-0.16, -0.1, -0.03, 0.0, 0.05, 0.12, 0.16] {
+            let aim = Vec3::new(c, 0.2, 0.125);
+            let mut share = [0.0; 8];
+            let center = pressures(&at, &[1.0; 8], aim, &mut share);
+            let right: f64 = share[4..].iter().sum();
+            assert!((center - aim).norm() < 1e-9, "{c}: {center}"); // 5e-12 seen
+            let error = right - (0.5 + c * 0.1 / 0.0425);
+            assert!(error.abs() < 1e-9, "{c}: {error}"); // 1e-11 seen
+            assert!((right - (0.5 + c / 0.4)).abs() < 0.03, "{c}: {right}");
+        }
+        let mut share = [0.0; 8];
+        pressures(&at, &[1.0; 8], Vec3::new(0.25, 0.2, 0.1), &mut share);
+        assert!(share[..4].iter().sum::<f64>() < 1e-3); // all on the outer edge
+    }
+
+    /// Corners, edges and the inside of the hull: no corner pulls, the centre is reached, and each foot's own
+    /// centre is in its sole.
+    #[test]
+    fn pressures_push_and_balance_everywhere() {
+        let at = corners();
+        let touch = [1.0, 0.7, 1.0, 0.02, 1.0, 1.0, 0.3, 1.0];
+        let hull = Support::of(at.iter());
+        for i in 0..400 {
+            let f = f64::from(i);
+            let wild = motion::support::Vec2::new((f * 0.7).sin() * 0.4, 0.125 + (f * 1.3).cos() * 0.3);
+            let aim = hull.nearest(&wild).unwrap();
+            let mut share = [0.0; 8];
+            let center = pressures(&at, &touch, Vec3::new(aim.x, 0.2, aim.y), &mut share);
+            assert!(share.iter().all(|w| *w >= 0.0));
+            assert!((share.iter().sum::<f64>() - 1.0).abs() < 1e-12);
+            let error = (plane(&center) - aim).norm();
+            assert!(error < 1e-7, "{aim}: {error}"); // 5e-9 seen
+        }
+    }
+
+    #[test]
+    fn touch_fades_between_half_and_one() {
+        assert_eq!((fade(-3.0), fade(0.5), fade(0.75), fade(1.0), fade(9.0)), (1.0, 1.0, 0.5, 0.0, 0.0));
+    }
+
+    /// Through the centre of pressure the wrench has a vertical moment only.
+    #[test]
+    fn no_horizontal_moment_at_the_center_of_pressure() {
+        let (com, f, m) =
+            (Vec3::new(0.1, 0.9, -0.2), Vec3::new(30.0, 700.0, -80.0), Vec3::new(12.0, -3.0, 25.0));
+        let c = pressure_center(com, f, m, 0.05);
+        let at_c = m + (com - c).cross(&f);
+        assert!(at_c.x.abs() < 1e-12 && at_c.z.abs() < 1e-12, "{at_c}");
+        assert_eq!(c.y, 0.05);
+    }
 }

@@ -21,7 +21,7 @@ pub mod grade;
 pub mod ground;
 pub mod noise;
 
-use motion::rotation::Vec3;
+use motion::rotation::{Vec3, log};
 use motion::skeleton::vec_at;
 use motion::smooth::{SmoothReport, Smoothed, Smoothing, Strength, smooth_at};
 use motion::{Clip, Joint};
@@ -133,6 +133,19 @@ pub struct FootForces {
     pub free_moment: Vec<f64>,
 }
 
+/// A joint that turns further between two frames than a joint can: a flipped or mislabelled recording.
+///
+/// No smoother mends it, and the forces around it mean nothing.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Jump {
+    /// The frame after the jump.
+    pub frame: usize,
+    /// The link.
+    pub link: usize,
+    /// Angle, rad.
+    pub angle: f64,
+}
+
 /// What a clip needs and what the ground gives. See the module header.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Analysis {
@@ -140,6 +153,8 @@ pub struct Analysis {
     pub clip: Clip,
     /// What the smoother chose and found.
     pub smoothing: SmoothReport,
+    /// Jumps of the given clip, before smoothing, in order of frame: turns beyond 45° and 25 rad/s.
+    pub jumps: Vec<Jump>,
     /// Gravity, m/s².
     pub gravity: Vec3,
     /// Mass, kg.
@@ -174,7 +189,7 @@ pub struct Analysis {
     /// Angular momentum about it, `frames × 3`, N·m·s.
     pub angular_momentum: Vec<f64>,
     /// Centre of pressure the motion needs on the ground, `frames × 3`, m; NaN where the required force
-    /// does not press, or without ground.
+    /// presses with less than a tenth of body weight, or without ground.
     pub cop: Vec<f64>,
     /// The feet, in the order of the character's legs.
     pub feet: Vec<FootForces>,
@@ -217,10 +232,9 @@ impl Analysis {
 /// Strength of smoothing for the forces of a clip, by the noise on the path of its centre of mass. See
 /// [`AnalysisOptions::smoothing`].
 pub fn strength(model: &Model, state: &mut State, clip: &Clip, options: &AnalysisOptions) -> Strength {
-    let rest = vec![0.0; model.nv()];
     let mut com = Vec::with_capacity(3 * clip.frames());
     for k in 0..clip.frames() {
-        state.update(model, clip.pose(k), &rest);
+        state.update_pose(model, clip.pose(k));
         com.extend(&state.com(model));
     }
     let chosen = Strength::of(&com, 3, clip.rate_hz, options.soft_tissue);
@@ -248,6 +262,7 @@ pub fn analyze(
     let clip = map.clip_to_character(clip, &character.skeleton);
     let model = Model::new(character, options.gravity);
     let mut state = State::new(&model);
+    let jumps = jumps(&clip);
     let strength = strength(&model, &mut state, &clip, options);
     let Smoothed { clip, derivatives, report } = smooth_at(&clip, strength);
     let soles = Soles::of(character, &model);
@@ -258,6 +273,7 @@ pub fn analyze(
     let table = |columns: usize| Vec::with_capacity(frames * columns);
     let mut a = Analysis {
         smoothing: report,
+        jumps,
         gravity: options.gravity,
         mass: model.mass,
         friction: options.friction,
@@ -289,20 +305,17 @@ pub fn analyze(
         let row = k * nv..(k + 1) * nv;
         let (v, vd) = (&a.v[row.clone()], &a.vd[row.clone()]);
         state.update(&model, a.clip.pose(k), v);
-        let tau = &mut a.tau[row];
-        state.inverse_dynamics(&model, v, vd, &[], tau);
         let momentum = state.momentum(&model);
-        let (force, moment_root) = state.whole_wrench();
-        let root = state.bodies[0].world.translation.vector;
-        let moment_com = moment_root + (root - momentum.com).cross(&force);
+        let rate = state.momentum_rate(&model, v, vd);
+        let (force, moment_com) = (rate.linear - model.gravity * model.mass, rate.angular);
+        let to_com = momentum.com - state.bodies[0].origin();
+        let moment_root = moment_com + to_com.cross(&force);
 
         let given = floor.give(&model, &state, &soles, &mut scratch, momentum.com, force, moment_com);
         wrenches.clear();
         wrenches.extend(scratch.wrenches());
-        if !wrenches.is_empty() {
-            state.inverse_dynamics(&model, v, vd, &wrenches, tau);
-        }
-        let moment_given_root = given.moment_com + (momentum.com - root).cross(&given.force);
+        state.inverse_dynamics(&model, v, vd, &wrenches, &mut a.tau[row]);
+        let moment_given_root = given.moment_com + to_com.cross(&given.force);
 
         a.required_force.extend(&force);
         a.required_moment_com.extend(&moment_com);
@@ -357,13 +370,27 @@ impl FootForces {
     }
 }
 
-impl State {
-    /// Force (N) and moment about the root's origin (N·m), world axes, that the whole body needed from
-    /// outside in the last [`State::inverse_dynamics`], beyond the wrenches given to it.
-    fn whole_wrench(&self) -> (Vec3, Vec3) {
-        // the recursion has summed (5.10) of all bodies in the root's
-        (self.force[0], self.moment[0])
+/// Turns beyond 45° and 25 rad/s from one frame to the next.
+fn jumps(clip: &Clip) -> Vec<Jump> {
+    let most = std::f64::consts::FRAC_PI_4.max(25.0 / clip.rate_hz);
+    let skeleton = &clip.skeleton;
+    let mut out = Vec::new();
+    for frame in 1..clip.frames() {
+        let (a, b) = (clip.pose(frame - 1), clip.pose(frame));
+        for (link, l) in skeleton.links().iter().enumerate() {
+            let angle = match l.joint {
+                Joint::Free | Joint::Spherical => {
+                    log(&(skeleton.rotation(b, link) * skeleton.rotation(a, link).inverse())).norm()
+                }
+                Joint::Revolute(_) => (b[skeleton.q_at(link)] - a[skeleton.q_at(link)]).abs(),
+                Joint::Prismatic(_) | Joint::Fixed => 0.0,
+            };
+            if angle > most {
+                out.push(Jump { frame, link, angle });
+            }
+        }
     }
+    out
 }
 
 fn check(clip: &Clip, options: &AnalysisOptions) -> Result<(), AnalysisError> {
@@ -396,7 +423,8 @@ fn check(clip: &Clip, options: &AnalysisOptions) -> Result<(), AnalysisError> {
         let allowed = "zero or more";
         return Err(AnalysisError::Option { name: "the soft tissue's noise", value: soft, allowed });
     }
-    let Contact { height_m, speed_m_s } = options.contact;
+    let Contact { height_m, speed_m_s, ground_velocity } = options.contact;
+    ground_velocity.iter().try_for_each(|v| finite("the velocity of the ground", *v))?;
     positive("the height of contact", height_m, height_m > 0.0)?;
     positive("the speed of contact", speed_m_s, speed_m_s > 0.0)?;
     let mu = options.friction;

@@ -39,11 +39,10 @@ impl NoiseFloor {
         let nv = model.nv();
         let mut m = DMatrix::zeros(nv, nv);
         let mut variance = vec![0.0; nv];
-        let rest = vec![0.0; nv];
         let count = clip.frames().min(SAMPLES);
         for s in 0..count {
             let frame = s * (clip.frames() - 1) / (count - 1).max(1);
-            state.update(model, clip.pose(frame), &rest);
+            state.update_pose(model, clip.pose(frame));
             state.mass_matrix(model, &mut m);
             for j in 0..nv {
                 let v2 = vd_noise[j] * vd_noise[j];

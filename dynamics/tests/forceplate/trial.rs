@@ -3,9 +3,10 @@
 use std::path::Path;
 use std::sync::Arc;
 
+use dynamics::analysis::{Contact, SOFT_TISSUE};
 use dynamics::{Analysis, AnalysisOptions, Body, Character, Ground, JointClass, analyze};
 use motion::smooth::Smoothing;
-use motion::{Clip, Joint, Link, Skeleton, Vec3};
+use motion::{Clip, Joint, Link, Site, Skeleton, Vec3};
 use nalgebra::Matrix3;
 use serde_json::Value;
 
@@ -82,9 +83,47 @@ impl Trial {
 
     /// Inverse dynamics by the public road.
     pub fn analysis(&self, poses: Poses, smoothing: Smoothing) -> Analysis {
+        self.analysis_assuming(poses, smoothing, SOFT_TISSUE)
+    }
+
+    /// The same with another least density of noise, m/√Hz.
+    pub fn analysis_assuming(&self, poses: Poses, smoothing: Smoothing, soft_tissue: f64) -> Analysis {
+        let gravity = self.gravity;
         let options =
-            AnalysisOptions { smoothing, gravity: self.gravity, ground: Ground::None, ..Default::default() };
+            AnalysisOptions { smoothing, soft_tissue, gravity, ground: Ground::None, ..Default::default() };
         analyze(&self.character, &self.clip(poses), &options).unwrap()
+    }
+
+    /// The same with soles, drawn by hand: the files hold no geometry of the feet. Corners in m along the
+    /// body's axes (x forward, z right), at the height of the body's origin, which lies on the sole.
+    pub fn analysis_on_soles(&self, poses: Poses, smoothing: Smoothing, ground_velocity: Vec3) -> Analysis {
+        let mut character = self.character.clone();
+        let mut sites = Vec::new();
+        for (body, corners) in [
+            ("calcn", [(-0.01, -0.03), (-0.01, 0.03), (0.17, -0.045), (0.17, 0.045)]),
+            ("toes", [(0.0, -0.045), (0.0, 0.045), (0.06, -0.03), (0.06, 0.03)]),
+        ] {
+            for side in ["r", "l"] {
+                let link = character.skeleton.link(&format!("{body}_{side}")).unwrap();
+                for (i, (x, z)) in corners.iter().enumerate() {
+                    sites.push(Site { name: format!("{body}_{side}_{i}"), link, at: Vec3::new(*x, 0.0, *z) });
+                }
+            }
+        }
+        character.contacts = (0..sites.len()).collect();
+        let skeleton = (*character.skeleton).clone().with_sites(sites).unwrap();
+        character.skeleton = Arc::new(skeleton);
+        let contact = Contact { ground_velocity, ..Default::default() };
+        let options = AnalysisOptions { smoothing, gravity: self.gravity, contact, ..Default::default() };
+        analyze(&character, &self.clip(poses), &options).unwrap()
+    }
+
+    /// Measured force (N) and centre of pressure (m) of one foot, `right` or `left`.
+    pub fn foot(&self, name: &str) -> (Vec<Vec3>, Vec<Vec3>) {
+        let feet = list(&self.json["measured"]["feet"]);
+        let foot = feet.iter().find(|f| f["name"] == name).unwrap();
+        let rows = |key: &str| list(&foot[key]).iter().map(vector).collect();
+        (rows("force"), rows("cop"))
     }
 
     /// Total measured force (N) and its moment about the world's origin (N·m) per frame.

@@ -102,7 +102,7 @@ fn smoothing_is_linear() {
     let (fy, fz, fs) = (w.smooth(&y, 2), w.smooth(&z, 2), w.smooth(&sum, 2));
     for i in 0..200 {
         let error = fs[i] - (2.0 * fy[i] - 3.0 * fz[i]);
-        assert!(error.abs() < 1e-11, "{i}: {error}");
+        assert!(error.abs() < 1e-11, "{i}: {error}"); // 2e-12 seen
     }
 }
 
@@ -129,16 +129,33 @@ fn smoothing_turns_and_reverses_with_the_motion() {
     }
     let (a, b) = (smooth(&turned, Smoothing::Auto), smooth(&reversed, Smoothing::Auto));
     assert!((a.report.cutoff_hz - out.report.cutoff_hz).abs() < 1e-9);
+    let mut reverse = 0.0;
     for k in 0..120 {
         let (p, q) = (out.clip.pose(k), a.clip.pose(k));
         let error = log(&(s.rotation(q, 0) * (turn * s.rotation(p, 0)).inverse())).norm()
             + log(&(s.rotation(q, 1) * (s.rotation(p, 1) * turn).inverse())).norm()
             + (s.position(q, 0) - turn * s.position(p, 0)).norm();
-        assert!(error < 1e-9, "{k}: {error}"); // 1e-13 seen
+        assert!(error < 1e-12, "{k}: {error}"); // 1e-15 seen
         for i in 0..10 {
             let (v, w) = (out.derivatives.v[k * 10 + i], b.derivatives.v[(119 - k) * 10 + i]);
-            assert!((v + w).abs() < 1e-6, "{k} {i}: {v} {w}"); // second step is not quite symmetric
+            reverse = f64::max(reverse, (v + w).abs());
         }
+    }
+    assert!(reverse < 1e-11, "{reverse}"); // 1e-14 seen
+}
+
+/// Two Gauss–Newton steps are enough: more change nothing that could be seen, at noise of a degree and a
+/// cut-off that costs the motion its swing.
+#[test]
+fn two_steps_are_enough() {
+    let mut random = Random(3);
+    let given = clip(60.0, 200, || 0.02 * random.normal());
+    for hz in [1.0, 3.0, 6.0] {
+        let path = |steps| smoothed_path(&given, lambda(hz, 60.0), steps);
+        let (first, second, many) = (path(1), path(STEPS), path(8));
+        let [a, b] = [&first, &second].map(|c| rms(c.data(), many.data()));
+        // 2.2e-3 and 2.8e-4 seen at 1 Hz, 9.5e-5 and 3.6e-6 at 6 Hz, in quaternions and radians
+        assert!(b < 1e-3 && b < 0.2 * a, "{hz}: {a} {b}");
     }
 }
 
@@ -149,17 +166,17 @@ fn the_chosen_strength_is_nearly_the_best() {
     let mut worst = (0.0, String::new());
     for rate in [30.0, 60.0, 100.0, 120.0, 240.0] {
         let frames = (5.0 * rate) as usize;
-        let clean = derivatives(&clip(8.0 * rate, 8 * frames, || 0.0));
+        let clean = Derivatives::central(&clip(8.0 * rate, 8 * frames, || 0.0));
         let truth: Vec<f64> = clean.vd.chunks_exact(10).step_by(8).take(frames).flatten().copied().collect();
         for size in [3e-4, 1e-3, 3e-3, 1e-2] {
-            for colour in [0.0, 0.5, 0.8] {
+            for colour in [0.0_f64, 0.5, 0.8] {
                 let mut random = Random(rate as u64 * 1000 + (size * 1e5) as u64 + (colour * 10.0) as u64);
                 // ten numbers per frame: each remembers its own last value
-                let mut last = vec![0.0; 12];
+                let mut last = [0.0; 12];
                 let mut at = 0;
                 let given = clip(rate, frames, || {
                     at = (at + 1) % 12;
-                    last[at] = colour * last[at] + (1.0 - colour * colour as f64).sqrt() * random.normal();
+                    last[at] = colour * last[at] + (1.0 - colour * colour).sqrt() * random.normal();
                     size * last[at]
                 });
                 // a quarter of a second at each end has data on one side only: measured apart
@@ -180,14 +197,13 @@ fn the_chosen_strength_is_nearly_the_best() {
                     "{rate} Hz, noise {size} rad, colour {colour}: {hz:.1} Hz (best {at:.1}), ratio {ratio:.3}, left {:.2}/{found:.2}",
                     rms(&auto.report.acceleration_noise, &[0.0; 10])
                 );
-                println!("{what}");
                 if ratio > worst.0 {
                     worst = (ratio, what);
                 }
             }
         }
     }
-    assert!(worst.0 < 1.3, "{}", worst.1);
+    assert!(worst.0 < 1.3, "{}", worst.1); // 1.05 seen
 }
 
 /// Motion without noise keeps its accelerations: nothing within its band is taken.
@@ -196,13 +212,13 @@ fn noiseless_motion_is_left_alone() {
     for rate in [30.0, 60.0, 120.0, 240.0] {
         let given = clip(rate, (4.0 * rate) as usize, || 0.0);
         let out = smooth(&given, Smoothing::Auto);
-        let kept = derivatives(&given);
+        let kept = Derivatives::central(&given);
         let size = rms(&kept.vd, &vec![0.0; kept.vd.len()]);
         let edge = (0.25 * rate) as usize * 10;
         let inner = edge..kept.vd.len() - edge;
         let error = rms(&out.derivatives.vd, &kept.vd) / size;
         let inside = rms(&out.derivatives.vd[inner.clone()], &kept.vd[inner]) / size;
-        println!("{rate}: {} Hz, {error:e}, {inside:e}", out.report.cutoff_hz);
+        // 3e-5 and 3e-3 seen: at the ends third differences are held down
         assert!(inside < 1e-4 && error < 1e-2, "{rate}: {inside} {error}");
     }
 }
@@ -219,4 +235,24 @@ fn short_clips_are_not_smoothed() {
         let strong = smooth(&clip(60.0, frames, || 0.0), Smoothing::CutoffHz(1.0));
         assert!(strong.clip.data().iter().all(|x| x.is_finite()));
     }
+}
+
+/// The ends are noisier than the middle, because data lie on one side only, but nothing rings: within one
+/// period of the cut-off the noise of the acceleration has come down to that of the middle.
+#[test]
+fn ends_settle_within_a_period() {
+    let (frames, hz, rate) = (400, 6.0, 120.0);
+    let filter = Whittaker::new(frames, lambda(hz, rate));
+    // variance of Δ²z at frame k for unit white noise: the row of the operator, by symmetry of A
+    let spread = |k: usize| {
+        let mut row = vec![0.0; frames];
+        (row[k - 1], row[k], row[k + 1]) = (1.0, -2.0, 1.0);
+        let row = filter.smooth(&row, 1);
+        row.iter().map(|x| x * x).sum::<f64>().sqrt()
+    };
+    let middle = spread(200);
+    let period = (rate / hz) as usize;
+    let worst = (1..period).map(|k| spread(k) / middle).fold(0.0, f64::max);
+    assert!(worst < 3.0, "{worst}"); // 2.4 seen, in the first frame
+    assert!((period..100).all(|k| (spread(k) / middle - 1.0).abs() < 0.02)); // 0.009 seen
 }

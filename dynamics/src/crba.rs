@@ -1,0 +1,261 @@
+//! Mass matrix: the composite-rigid-body algorithm (Featherstone 2008, §6.2, Table 6.2), world axes.
+//!
+//! In: a [`Model`] and the pose in its [`State`]. Out: M(q), `nv × nv`, rows and columns in the layout
+//! of `v` ([`motion::skeleton`]): symmetric, positive definite when every joint carries mass.
+//!
+//! From the tips inward, `I^c` of each body with all it carries; the spatial momentum `F = I^c S` of its
+//! joint's axes at unit rate; and for the joint and every joint inboard, with motion subspace `S_a`,
+//! `M = S_aᵀ F`. Nothing is rotated on the way: all is along world axes, and only the point about which
+//! moments are taken moves, to the origin of each inboard body. Blocks of joints on different branches
+//! are zero.
+
+use motion::{Joint, Vec3};
+use nalgebra::{DMatrix, Matrix3, SVector};
+
+use crate::model::{BodyState, Model, MovingBody, State};
+
+/// A body with all it carries, about the body's origin, world axes.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Carried {
+    /// Mass, kg.
+    mass: f64,
+    /// Mass times centre of mass, kg·m.
+    first: Vec3,
+    /// Inertia about the origin, kg·m²: xx, yy, zz, xy, xz, yz.
+    second: [f64; 6],
+}
+
+impl Carried {
+    #[inline(always)]
+    fn of(b: &MovingBody, s: &BodyState) -> Self {
+        let i = &s.inertia;
+        let at_com = Self {
+            mass: b.mass,
+            first: Vec3::zeros(),
+            second: [i[(0, 0)], i[(1, 1)], i[(2, 2)], i[(0, 1)], i[(0, 2)], i[(1, 2)]],
+        };
+        at_com.about(&s.to_com)
+    }
+
+    /// The same about a point from which this origin is seen at `r`.
+    ///
+    /// I' = I + 2 (k·r) 1 − (k rᵀ + r kᵀ) with k = m c + ½ m r.
+    #[inline(always)]
+    fn about(&self, r: &Vec3) -> Self {
+        let k = self.first + r * (0.5 * self.mass);
+        let (x, y, z) = (2.0 * k.x * r.x, 2.0 * k.y * r.y, 2.0 * k.z * r.z);
+        let [xx, yy, zz, xy, xz, yz] = self.second;
+        Self {
+            mass: self.mass,
+            first: self.first + r * self.mass,
+            second: [
+                xx + y + z,
+                yy + x + z,
+                zz + x + y,
+                xy - k.x * r.y - k.y * r.x,
+                xz - k.x * r.z - k.z * r.x,
+                yz - k.y * r.z - k.z * r.y,
+            ],
+        }
+    }
+
+    fn add(&mut self, other: &Self) {
+        self.mass += other.mass;
+        self.first += other.first;
+        for (a, b) in self.second.iter_mut().zip(other.second) {
+            *a += b;
+        }
+    }
+
+    /// Momentum about the origin while the axes in the lanes of `w` turn at unit rate about it.
+    #[inline(always)]
+    fn turning<const N: usize>(&self, w: &Axes<N>) -> Momenta<N> {
+        let [xx, yy, zz, xy, xz, yz] = self.second;
+        let h = &self.first;
+        let [x, y, z] = w;
+        Momenta {
+            p: [y * h.z - z * h.y, z * h.x - x * h.z, x * h.y - y * h.x],
+            l: [x * xx + y * xy + z * xz, x * xy + y * yy + z * yz, x * xz + y * yz + z * zz],
+        }
+    }
+
+    /// Momentum about the origin while all slides along the axes at unit speed.
+    #[inline(always)]
+    fn sliding<const N: usize>(&self, u: &Axes<N>) -> Momenta<N> {
+        let h = &self.first;
+        let [x, y, z] = u;
+        Momenta {
+            p: [x * self.mass, y * self.mass, z * self.mass],
+            l: [z * h.y - y * h.z, x * h.z - z * h.x, y * h.x - x * h.y],
+        }
+    }
+}
+
+/// Components x, y, z of N vectors side by side: one lane per axis of a joint, so that processors work
+/// on all of them at once. Balls take four lanes, of which the last is idle.
+type Axes<const N: usize> = [SVector<f64, N>; 3];
+
+/// Linear and angular momenta of N unit motions.
+#[derive(Clone, Copy)]
+struct Momenta<const N: usize> {
+    p: Axes<N>,
+    l: Axes<N>,
+}
+
+impl<const N: usize> Momenta<N> {
+    /// Angular momenta about a point from which the present one is seen at `r`: l + r × p.
+    #[inline(always)]
+    fn angular_about(&self, r: &Vec3) -> Axes<N> {
+        let [px, py, pz] = &self.p;
+        let [lx, ly, lz] = &self.l;
+        [lx + (pz * r.y - py * r.z), ly + (px * r.z - pz * r.x), lz + (py * r.x - px * r.y)]
+    }
+}
+
+/// `m`, column-major `n × n`, with the place where rows and columns of one joint go.
+struct Target<'a> {
+    m: &'a mut [f64],
+    n: usize,
+}
+
+impl Target<'_> {
+    /// Entries (a, k…k+W) and their mirror images.
+    #[inline(always)]
+    fn row<const N: usize, const W: usize>(&mut self, a: usize, k: usize, value: &SVector<f64, N>) {
+        let at = a * self.n + k;
+        self.m[at..at + W].copy_from_slice(&value.as_slice()[..W]);
+        for c in 0..W {
+            self.m[(k + c) * self.n + a] = value[c];
+        }
+    }
+
+    /// Rows a, a+1, a+2 at columns k…k+W, and their mirror images.
+    #[inline(always)]
+    fn rows<const N: usize, const W: usize>(&mut self, a: usize, k: usize, f: &Axes<N>) {
+        let mut at = a * self.n + k;
+        for row in f {
+            self.m[at..at + W].copy_from_slice(&row.as_slice()[..W]);
+            at += self.n;
+        }
+        let mut at = k * self.n + a;
+        for c in 0..W {
+            self.m[at..at + 3].copy_from_slice(&[f[0][c], f[1][c], f[2][c]]);
+            at += self.n;
+        }
+    }
+
+    /// The block of the joint of `b` against W axes that start at column k.
+    #[inline(always)]
+    fn block<const N: usize, const W: usize>(
+        &mut self,
+        b: &MovingBody,
+        s: &BodyState,
+        k: usize,
+        p: &Axes<N>,
+        l: &Axes<N>,
+    ) {
+        let at = b.v_at;
+        match b.joint {
+            // a root whose zero frame is the world's
+            Joint::Free if b.parent.is_none() && b.turned.is_none() => {
+                self.rows::<N, W>(at, k, p);
+                self.rows::<N, W>(at + 3, k, l);
+            }
+            Joint::Free => {
+                self.rows::<N, W>(at, k, &along_columns(&s.zero, p));
+                self.rows::<N, W>(at + 3, k, &along_columns(&s.zero, l));
+            }
+            Joint::Spherical => self.rows::<N, W>(at, k, &along_columns(&s.zero, l)),
+            Joint::Revolute(_) => self.row::<N, W>(at, k, &along(&s.axis, l)),
+            Joint::Prismatic(_) => self.row::<N, W>(at, k, &along(&s.axis, p)),
+            Joint::Fixed => {}
+        }
+    }
+
+    /// Blocks of W axes of `body`, from column k, against the body's joint and all inboard.
+    fn column<const N: usize, const W: usize>(
+        &mut self,
+        model: &Model,
+        states: &[BodyState],
+        body: usize,
+        k: usize,
+        f: &Momenta<N>,
+    ) {
+        let own = &states[body];
+        self.block::<N, W>(&model.bodies[body], own, k, &f.p, &f.l);
+        let mut up = model.bodies[body].parent;
+        while let Some(p) = up {
+            let (b, s) = (&model.bodies[p], &states[p]);
+            self.block::<N, W>(b, s, k, &f.p, &f.angular_about(&(own.origin() - s.origin())));
+            up = b.parent;
+        }
+    }
+}
+
+impl State {
+    /// Mass matrix (`nv × nv`), both triangles.
+    ///
+    /// `vᵀ M v / 2` is the kinetic energy. Needs [`State::update_pose`] (or `update`); does not allocate.
+    ///
+    /// # Panics
+    /// If `m` is not `nv × nv`.
+    pub fn mass_matrix(&mut self, model: &Model, m: &mut DMatrix<f64>) {
+        let n = model.nv();
+        assert_eq!(m.shape(), (n, n), "the mass matrix is nv × nv");
+        let mut target = Target { m: m.as_mut_slice(), n };
+        target.m.fill(0.0);
+        for ((c, b), s) in self.carried.iter_mut().zip(&model.bodies).zip(&self.bodies) {
+            *c = Carried::of(b, s);
+        }
+        let states = &self.bodies;
+        for (i, b) in model.bodies.iter().enumerate().rev() {
+            let (s, carried) = (&states[i], self.carried[i]);
+            let at = b.v_at;
+            match b.joint {
+                Joint::Free => {
+                    let axes = lanes(&s.zero);
+                    target.column::<4, 3>(model, states, i, at, &carried.sliding(&axes));
+                    target.column::<4, 3>(model, states, i, at + 3, &carried.turning(&axes));
+                }
+                Joint::Spherical => {
+                    target.column::<4, 3>(model, states, i, at, &carried.turning(&lanes(&s.zero)));
+                }
+                Joint::Revolute(_) => {
+                    target.column::<1, 1>(model, states, i, at, &carried.turning(&single(&s.axis)));
+                }
+                Joint::Prismatic(_) => {
+                    target.column::<1, 1>(model, states, i, at, &carried.sliding(&single(&s.axis)));
+                }
+                Joint::Fixed => {}
+            }
+            if let Some(p) = b.parent {
+                let shifted = carried.about(&s.arm);
+                self.carried[p].add(&shifted);
+            }
+        }
+    }
+}
+
+/// Components of N vectors along one axis.
+#[inline(always)]
+fn along<const N: usize>(axis: &Vec3, f: &Axes<N>) -> SVector<f64, N> {
+    f[0] * axis.x + f[1] * axis.y + f[2] * axis.z
+}
+
+/// Components of N vectors along the columns of a rotation.
+#[inline(always)]
+fn along_columns<const N: usize>(zero: &Matrix3<f64>, f: &Axes<N>) -> Axes<N> {
+    let column = |c: usize| f[0] * zero[(0, c)] + f[1] * zero[(1, c)] + f[2] * zero[(2, c)];
+    [column(0), column(1), column(2)]
+}
+
+#[inline(always)]
+fn lanes(zero: &Matrix3<f64>) -> Axes<4> {
+    let row = |r: usize| SVector::<f64, 4>::new(zero[(r, 0)], zero[(r, 1)], zero[(r, 2)], 0.0);
+    [row(0), row(1), row(2)]
+}
+
+#[inline(always)]
+fn single(axis: &Vec3) -> Axes<1> {
+    [SVector::<f64, 1>::new(axis.x), SVector::<f64, 1>::new(axis.y), SVector::<f64, 1>::new(axis.z)]
+}
