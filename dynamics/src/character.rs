@@ -113,7 +113,7 @@ impl Character {
     ///
     /// # Errors
     /// See [`CharacterError`]. A massless link is allowed if its joint moves and some link it carries
-    /// has mass; so is a welded one, whose mass is its parent's.
+    /// has mass; so is a welded one, whose mass is its parent's, or the world's if it is the root.
     pub fn check(self) -> Result<Self, CharacterError> {
         let links = self.skeleton.links();
         if self.bodies.len() != links.len() || self.classes.len() != links.len() {
@@ -127,7 +127,7 @@ impl Character {
         }
         for (i, body) in self.bodies.iter().enumerate() {
             let link = &links[i].name;
-            let welded = i > 0 && links[i].joint == Joint::Fixed;
+            let welded = links[i].joint == Joint::Fixed;
             let massless = body.mass == 0.0 && body.inertia == Matrix3::zeros();
             if massless && (welded || self.carries_mass(i)) {
                 continue;

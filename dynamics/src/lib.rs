@@ -9,6 +9,7 @@
 //! | [`analysis_files`] | an analysis as CSV, MOT, npz, and as a trace |
 //! | [`anthropometry`] | a body for any human-like skeleton |
 //! | [`character`] | mass, inertia, shapes and contact points on a skeleton |
+//! | [`mjcf`] | a character as MJCF |
 //! | [`model`] | a character compiled for dynamics, and its world-frame state |
 //! | [`rnea`] | inverse dynamics with outside wrenches, bias, Coriolis terms, gravity load |
 //! | [`crba`] | mass matrix |
@@ -17,6 +18,9 @@
 //! | [`inertia`] | composites, momentum and its rate, energy, gravity stiffness |
 //! | [`ground_forces`] | ground forces required, given and measured, per foot |
 //! | [`penalty`] | the force of the ground on a point, from its height and slip |
+//! | [`rnea`] | inverse dynamics with outside wrenches |
+//! | [`import`] | characters from MJCF and URDF |
+//! | [`inertia`] | mass matrix, momentum, energy, gravity stiffness |
 //! | [`pose_map`] | poses between a clip's skeleton and a character's |
 //! | [`trace`] | what a dynamic run recorded |
 //! | [`trace_npz`] | a trace as numpy arrays, written and read |
@@ -28,8 +32,10 @@ pub mod character;
 pub mod crba;
 pub mod derivatives;
 pub mod forward;
+pub mod import;
 pub mod ground_forces;
 pub mod inertia;
+pub mod mjcf;
 pub mod model;
 pub mod penalty;
 pub mod pose_map;

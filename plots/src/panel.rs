@@ -200,7 +200,7 @@ pub(crate) fn header(figure: &mut Figure, title: &str, note: &str, keys: &[Key])
 }
 
 /// A page of panels in `columns`, row by row, each `panel_height` px high inside its frame.
-pub(crate) fn page(
+pub fn page(
     title: &str,
     note: &str,
     keys: &[Key],

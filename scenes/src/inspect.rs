@@ -17,7 +17,7 @@ use crate::angle::deg_from_quat;
 use crate::report::{chosen, root_name};
 use crate::scene::{self, Scene};
 use crate::stage::edited_tracks;
-use crate::{Source, StageError, character_file};
+use crate::{SceneError, Source, StageError, character_file};
 
 /// What is in a file.
 #[derive(Clone, Debug, Serialize)]
@@ -200,6 +200,15 @@ pub struct ClipInspection {
     pub guess: Vec<String>,
     /// Why no body could be guessed.
     pub no_body: Option<String>,
+}
+
+/// The character in a `.ron` file; `None` if it is a scene.
+///
+/// # Errors
+/// A file that cannot be read, or a character that is wrong.
+pub fn character_in(path: &Path) -> Result<Option<Character>, SceneError> {
+    let source = Source::read(path)?;
+    (source.first_word() == Some("Character")).then(|| character_file::parse(&source)).transpose()
 }
 
 /// Looks into a file: `.ron` (scene or character) or `.bvh`. The character is the one a clip's body was

@@ -37,6 +37,7 @@ pub use dynamics::analysis::Residual;
 pub use dynamics::{Analysis, Character, RootMode, Trace};
 pub use dynamics::{analysis_files, ground_forces};
 pub use error::{SceneError, Source};
+pub use inspect::character_in;
 pub use overrides::Overrides;
 pub use report::Report;
 pub use scene::Scene;

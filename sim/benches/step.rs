@@ -14,7 +14,7 @@ use criterion::{Criterion, criterion_group};
 use dynamics::anthropometry::human::human;
 use dynamics::{Character, RootMode};
 use motion::{Clip, Plant, Script, Tracks, Vec3};
-use sim::{Ground, Pass, Run, World, WorldSettings};
+use sim::{Engine, Ground, Pass, Run, World, WorldSettings};
 
 const RATE_HZ: f64 = 240.0;
 /// Steps per block: some 10 ms.
@@ -32,6 +32,7 @@ fn bare(c: &Character) -> (World, Vec<Drive>) {
         gravity: GRAVITY,
         ground: Some(GROUND),
         pinned: false,
+        contact: Default::default(),
     };
     let still = vec![0.0; c.skeleton.nv()];
     let world = World::new(c, settings, &c.rest, &still).unwrap();

@@ -12,7 +12,7 @@ use crate::world::{World, from_glam};
 
 impl World {
     /// Appends the contacts of the last step to `out`, labelled with the trace row `row`.
-    pub fn contacts(&self, row: usize, out: &mut Vec<ContactSample>) {
+    pub(crate) fn read_contacts(&self, row: usize, out: &mut Vec<ContactSample>) {
         let inv_dt = self.settings.rate_hz;
         let first = out.len();
         for pair in self.physics.contact_pairs() {
@@ -64,7 +64,7 @@ impl World {
     /// Sum of the contact forces of the last step, N.
     pub fn contact_sum(&self) -> Vec3 {
         let mut all = Vec::new();
-        self.contacts(0, &mut all);
+        self.read_contacts(0, &mut all);
         all.iter().map(|c| c.force).sum()
     }
 }

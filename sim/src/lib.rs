@@ -7,12 +7,15 @@
 //! | module | holds |
 //! |---|---|
 //! | [`world`] | the articulated body and the ground in rapier |
+//! | [`engine`] | what the pass asks of an engine |
 //! | [`contacts`] | contact forces |
 //! | [`pass`] | a whole run, recorded |
 
 pub mod contacts;
+pub mod engine;
 pub mod pass;
 pub mod world;
 
+pub use engine::Engine;
 pub use pass::{Outcome, Pass, PassError, Push, Run};
-pub use world::{Ground, World, WorldError, WorldSettings};
+pub use world::{ContactLaw, Ground, World, WorldError, WorldSettings};

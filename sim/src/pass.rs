@@ -15,7 +15,8 @@ use motion::ik::IkError;
 use motion::{Joint, Vec3};
 use thiserror::Error;
 
-use crate::world::{Ground, World, WorldError, WorldSettings};
+use crate::Engine;
+use crate::world::{ContactLaw, Ground, World, WorldError, WorldSettings};
 
 /// Why a pass cannot start or go on.
 #[derive(Clone, Debug, PartialEq, Error)]
@@ -100,6 +101,17 @@ impl Pass {
     /// # Errors
     /// [`PassError`] when the body cannot be built or its legs not be solved.
     pub fn start(self) -> Result<Run, PassError> {
+        self.start_in(World::new)
+    }
+
+    /// [`Pass::start`] in another engine: `build` is given the body, the settings, the first pose and velocity.
+    ///
+    /// # Errors
+    /// As [`Pass::start`], and what `build` finds wrong.
+    pub fn start_in<E: Engine>(
+        self,
+        build: impl FnOnce(&Character, WorldSettings, &[f64], &[f64]) -> Result<E, WorldError>,
+    ) -> Result<Run<E>, PassError> {
         let character = self.setup.character.clone();
         let gravity = self.setup.gravity;
         let scripted = self.setup.tracks.is_some();
@@ -112,13 +124,20 @@ impl Pass {
             (needed.ceil() as usize).clamp(2, 32)
         });
         let pinned = root == RootMode::Pinned;
-        let settings = WorldSettings { rate_hz, substeps, gravity, ground: self.ground, pinned };
+        let settings = WorldSettings {
+            rate_hz,
+            substeps,
+            gravity,
+            ground: self.ground,
+            pinned,
+            contact: ContactLaw::Stiff,
+        };
         let q = controller.goal().pose(0).to_vec();
         // scripts start from rest, clips in the middle of a motion
         let v =
             if scripted { vec![0.0; controller.model.nv()] } else { controller.goal().velocity(0).to_vec() };
         let started = Instant::now();
-        let mut world = World::new(&character, settings, &q, &v)?;
+        let mut world = build(&character, settings, &q, &v)?;
         let stops: Vec<f64> = controller.scale.k1.iter().map(|k| k * STIFFNESS_RATIO).collect();
         world.set_stops(&stops);
         let mut state = State::new(&controller.model);
@@ -141,9 +160,9 @@ impl Pass {
 }
 
 /// A pass under way.
-pub struct Run {
+pub struct Run<E: Engine = World> {
     controller: Controller,
-    world: World,
+    world: E,
     recorder: Recorder,
     state: State,
     root: RootMode,
@@ -154,7 +173,7 @@ pub struct Run {
     started: Instant,
 }
 
-impl Run {
+impl<E: Engine> Run<E> {
     /// Last row recorded.
     pub fn row(&self) -> usize {
         self.row
@@ -283,7 +302,7 @@ impl Recorder {
     fn record(
         &mut self,
         state: &State,
-        world: &World,
+        world: &impl Engine,
         controller: &Controller,
         row: usize,
         held: Option<Wrench>,

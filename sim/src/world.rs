@@ -13,7 +13,7 @@
 //! - A pinned root is a kinematic joint whose velocity is set; the inertial force of its
 //!   acceleration, which the engine leaves out, is added to every body.
 
-use dynamics::{Character, Model, State, Wrench};
+use dynamics::{Character, ContactSample, Model, State, Wrench};
 use motion::rotation::log;
 use motion::skeleton::{quat_at, vec_at};
 use motion::{Joint, Quat, Shape, Transform, Vec3};
@@ -21,8 +21,9 @@ use rapier3d::dynamics::FrictionModel;
 use rapier3d::prelude as rp;
 use thiserror::Error;
 
-use controllers::stops::way_back;
 use controllers::{Drive, Rest};
+
+use crate::Engine;
 
 /// The ground: a horizontal plane.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -46,6 +47,24 @@ pub struct WorldSettings {
     pub ground: Option<Ground>,
     /// Whether the root's motion is given instead of simulated.
     pub pinned: bool,
+    /// How contacts yield.
+    pub contact: ContactLaw,
+}
+
+/// How contacts yield.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub enum ContactLaw {
+    /// As stiff as the engine's solver allows, inelastic: what characters stand on.
+    #[default]
+    Stiff,
+    /// A spring and a damper at each point: stiffness m ω² and damping 2 ζ m ω with the apparent mass m of the
+    /// point, for comparisons at a known compliance. Holds while ω dt ≪ 1 and pushes only.
+    Spring {
+        /// ω/2π, Hz.
+        natural_frequency_hz: f64,
+        /// ζ.
+        damping_ratio: f64,
+    },
 }
 
 /// Why a world cannot be built or stepped.
@@ -57,6 +76,9 @@ pub enum WorldError {
     /// The engine refused a joint.
     #[error("the engine refused the joint of `{0}`")]
     Joint(String),
+    /// An engine that stopped working.
+    #[error("{0}")]
+    Engine(String),
     /// Numbers ran away.
     #[error("the simulation diverged at step {step} ({time_s:.3} s), first seen at `{body}`")]
     Diverged {
@@ -96,6 +118,9 @@ pub struct World {
 /// the bow, and knees drift with it. At 4 it is 0.014 mm at 240 Hz, and the run converges.
 const CONTACT_STIFFENING: f64 = 4.0;
 
+/// Gauss–Seidel sweeps over the contact rows of spring contacts.
+const SPRING_SWEEPS: usize = 50;
+
 /// Above this rate (rad/s or m/s) no character moves: the run has diverged.
 const RUNAWAY: f64 = 1e3;
 
@@ -120,8 +145,20 @@ impl World {
         p.contact_clustering = false;
         p.contact_recycling = false;
         p.max_ccd_substeps = 0;
-        p.contact_softness.natural_frequency *= CONTACT_STIFFENING;
-        p.static_contact_softness.natural_frequency *= CONTACT_STIFFENING;
+        match settings.contact {
+            ContactLaw::Stiff => {
+                p.contact_softness.natural_frequency *= CONTACT_STIFFENING;
+                p.static_contact_softness.natural_frequency *= CONTACT_STIFFENING;
+            }
+            ContactLaw::Spring { natural_frequency_hz, damping_ratio } => {
+                let law = rp::SpringCoefficients { natural_frequency: natural_frequency_hz, damping_ratio };
+                p.contact_softness = law;
+                p.static_contact_softness = law;
+                // the pass without bias makes contacts inelastic; a spring needs its rows converged instead
+                p.num_internal_stabilization_iterations = 0;
+                p.num_internal_pgs_iterations = SPRING_SWEEPS;
+            }
+        }
 
         let root = &model.bodies[0];
         let free_root = matches!(root.joint, Joint::Free);
@@ -207,16 +244,6 @@ impl World {
         Ok(world)
     }
 
-    /// Pose after the last step.
-    pub fn q(&self) -> &[f64] {
-        &self.q
-    }
-
-    /// Velocity after the last step.
-    pub fn v(&self) -> &[f64] {
-        &self.v
-    }
-
     /// Control steps taken.
     pub fn steps(&self) -> usize {
         self.steps
@@ -267,137 +294,6 @@ impl World {
         mb.update_rigid_bodies(&mut self.physics.bodies, true);
         self.q.copy_from_slice(q);
         self.v.copy_from_slice(v);
-    }
-
-    /// Sets the stiffness of the stops at the ends of the joints' ranges, N·m/rad, one per moving body.
-    ///
-    /// Without a call there are no stops.
-    pub fn set_stops(&mut self, stiffness: &[f64]) {
-        self.stops.clear();
-        self.stops.extend_from_slice(stiffness);
-    }
-
-    /// Torque of the stop of a body's joint in the present pose, along its zero frame (in `.x` for hinges),
-    /// N·m.
-    pub fn stop_torque(&self, body: usize) -> Vec3 {
-        self.stop(body).map_or(Vec3::zeros(), |(k, back)| back * k)
-    }
-
-    fn stop(&self, body: usize) -> Option<(f64, Vec3)> {
-        let b = &self.model.bodies[body];
-        let limits = self.model.skeleton.links()[b.link].limits.as_ref();
-        let k = self.stops[body];
-        if k == 0.0 {
-            return None;
-        }
-        way_back(&b.joint, limits, &self.q, b.q_at).map(|back| (k, back))
-    }
-
-    /// Sets the actuators for the next step: one drive per moving body, in the model's order.
-    ///
-    /// The root's entry is ignored when the root is free.
-    pub fn set_drives(&mut self, drives: &[Drive]) {
-        let Some(any) = self.any_joint else { return };
-        for i in 0..self.stopping.len() {
-            self.stopping[i] = self.stop(i).unwrap_or((0.0, Vec3::zeros()));
-        }
-        let (mb, _) = self.physics.multibody_joints.get_mut(any).expect("own joint");
-        for (i, (b, drive)) in self.model.bodies.iter().zip(drives).enumerate() {
-            let first = match b.joint {
-                Joint::Revolute(_) | Joint::Spherical => 3,
-                Joint::Prismatic(_) => 0,
-                Joint::Free | Joint::Fixed => continue,
-            };
-            // muscle and stop side by side: one spring of both stiffnesses with their common torque
-            let (stop, back) = self.stopping[i];
-            let muscle = match drive.rest {
-                Rest::Scalar(rest) => Vec3::x() * (rest - self.q[b.q_at]),
-                Rest::Ball { .. } => drive.pull(&quat_at(&self.q, b.q_at)),
-                Rest::None => Vec3::zeros(),
-            };
-            let stiffness = drive.stiffness + stop;
-            let error = (muscle * drive.stiffness + back * stop) / stiffness.max(f64::MIN_POSITIVE);
-            let link = mb.link_mut(self.mb_link[i]).expect("own link");
-            let (at, coords) = (link.assembly_id(), link.joint.coords());
-            for k in 0..b.joint.nv() {
-                link.joint.set_spring(first + k, stiffness, coords[first + k] + error[k]);
-            }
-            for k in 0..b.joint.nv() {
-                mb.damping_mut()[at + k] = drive.damping;
-            }
-        }
-    }
-
-    /// Moves a pinned root so that it reaches `pose_next` (a pose vector; only the root's entries are
-    /// read) at the end of the next step. Call before [`World::step`].
-    ///
-    /// The root's acceleration acts on every body as the inertial force −m(a + α × r), −Iα: exactly
-    /// the coupling −M_fr q̈_r that the engine leaves out for kinematic joints. A root that is not free
-    /// stays in the hands of its own joint.
-    pub fn move_root(&mut self, state: &State, q_next: &[f64]) {
-        let Some(any) = self.any_joint else { return };
-        if !matches!(self.model.bodies[0].joint, Joint::Free) {
-            return;
-        }
-        let dt = 1.0 / self.settings.rate_hz;
-        let q_at = self.model.bodies[0].q_at;
-        let at = |q: &[f64]| {
-            let r = quat_at(q, q_at + 3);
-            (vec_at(q, q_at) + r * self.root_shift, r)
-        };
-        let ((c0, r0), (c1, r1)) = (at(&self.q), at(q_next));
-        let linear = (c1 - c0) / dt;
-        let angular = log(&(r1 * r0.inverse())) / dt;
-        let (mb, _) = self.physics.multibody_joints.get_mut(any).expect("own joint");
-        let mut velocity = mb.generalized_velocity_mut();
-        let old_linear = Vec3::new(velocity[0], velocity[1], velocity[2]);
-        let old_angular = Vec3::new(velocity[3], velocity[4], velocity[5]);
-        for k in 0..3 {
-            velocity[k] = linear[k];
-            velocity[3 + k] = angular[k];
-        }
-        let (a, alpha) = ((linear - old_linear) / dt, (angular - old_angular) / dt);
-        for (i, b) in self.model.bodies.iter().enumerate().skip(1) {
-            let s = &state.bodies[i];
-            let force = -(a + alpha.cross(&(s.com - c0))) * b.mass;
-            let body = &mut self.physics.bodies[self.handles[i]];
-            body.add_force(to_glam(force), true);
-            body.add_torque(to_glam(-(s.inertia * alpha)), true);
-        }
-    }
-
-    /// Adds an outside wrench for the next step.
-    pub fn add_wrench(&mut self, w: &Wrench) {
-        let body = &mut self.physics.bodies[self.handles[self.model.body_of[w.link].0]];
-        body.add_force_at_point(to_glam(w.force), to_glam(w.point), true);
-        body.add_torque(to_glam(w.moment), true);
-    }
-
-    /// Advances by one control step and clears the outside wrenches.
-    ///
-    /// # Errors
-    /// [`WorldError::Diverged`] when a coordinate is not finite or a rate exceeds 1,000 rad/s or m/s.
-    pub fn step(&mut self) -> Result<(), WorldError> {
-        self.physics.step();
-        self.steps += 1;
-        for &h in &self.handles {
-            let body = &mut self.physics.bodies[h];
-            body.reset_forces(true);
-            body.reset_torques(true);
-        }
-        self.read_state();
-        for b in &self.model.bodies {
-            let q = &self.q[b.q_at..b.q_at + b.joint.nq()];
-            let v = &self.v[b.v_at..b.v_at + b.joint.nv()];
-            if q.iter().any(|x| !x.is_finite()) || v.iter().any(|x| x.is_nan() || x.abs() >= RUNAWAY) {
-                return Err(WorldError::Diverged {
-                    step: self.steps,
-                    time_s: self.steps as f64 / self.settings.rate_hz,
-                    body: self.model.skeleton.links()[b.link].name.clone(),
-                });
-            }
-        }
-        Ok(())
     }
 
     fn prepare(&mut self) {
@@ -457,6 +353,126 @@ impl World {
                 Joint::Fixed => {}
             }
         }
+    }
+}
+
+impl Engine for World {
+    fn model(&self) -> &Model {
+        &self.model
+    }
+
+    fn q(&self) -> &[f64] {
+        &self.q
+    }
+
+    fn v(&self) -> &[f64] {
+        &self.v
+    }
+
+    fn stops(&self) -> &[f64] {
+        &self.stops
+    }
+
+    fn set_stops(&mut self, stiffness: &[f64]) {
+        self.stops.clear();
+        self.stops.extend_from_slice(stiffness);
+    }
+
+    fn set_drives(&mut self, drives: &[Drive]) {
+        let Some(any) = self.any_joint else { return };
+        for i in 0..self.stopping.len() {
+            self.stopping[i] = self.stop(i).unwrap_or((0.0, Vec3::zeros()));
+        }
+        let (mb, _) = self.physics.multibody_joints.get_mut(any).expect("own joint");
+        for (i, (b, drive)) in self.model.bodies.iter().zip(drives).enumerate() {
+            let first = match b.joint {
+                Joint::Revolute(_) | Joint::Spherical => 3,
+                Joint::Prismatic(_) => 0,
+                Joint::Free | Joint::Fixed => continue,
+            };
+            // muscle and stop side by side: one spring of both stiffnesses with their common torque
+            let (stop, back) = self.stopping[i];
+            let muscle = match drive.rest {
+                Rest::Scalar(rest) => Vec3::x() * (rest - self.q[b.q_at]),
+                Rest::Ball { .. } => drive.pull(&quat_at(&self.q, b.q_at)),
+                Rest::None => Vec3::zeros(),
+            };
+            let stiffness = drive.stiffness + stop;
+            let error = (muscle * drive.stiffness + back * stop) / stiffness.max(f64::MIN_POSITIVE);
+            let link = mb.link_mut(self.mb_link[i]).expect("own link");
+            let (at, coords) = (link.assembly_id(), link.joint.coords());
+            for k in 0..b.joint.nv() {
+                link.joint.set_spring(first + k, stiffness, coords[first + k] + error[k]);
+            }
+            for k in 0..b.joint.nv() {
+                mb.damping_mut()[at + k] = drive.damping;
+            }
+        }
+    }
+
+    fn move_root(&mut self, state: &State, q_next: &[f64]) {
+        let Some(any) = self.any_joint else { return };
+        if !matches!(self.model.bodies[0].joint, Joint::Free) {
+            return;
+        }
+        let dt = 1.0 / self.settings.rate_hz;
+        let q_at = self.model.bodies[0].q_at;
+        let at = |q: &[f64]| {
+            let r = quat_at(q, q_at + 3);
+            (vec_at(q, q_at) + r * self.root_shift, r)
+        };
+        let ((c0, r0), (c1, r1)) = (at(&self.q), at(q_next));
+        let linear = (c1 - c0) / dt;
+        let angular = log(&(r1 * r0.inverse())) / dt;
+        let (mb, _) = self.physics.multibody_joints.get_mut(any).expect("own joint");
+        let mut velocity = mb.generalized_velocity_mut();
+        let old_linear = Vec3::new(velocity[0], velocity[1], velocity[2]);
+        let old_angular = Vec3::new(velocity[3], velocity[4], velocity[5]);
+        for k in 0..3 {
+            velocity[k] = linear[k];
+            velocity[3 + k] = angular[k];
+        }
+        let (a, alpha) = ((linear - old_linear) / dt, (angular - old_angular) / dt);
+        for (i, b) in self.model.bodies.iter().enumerate().skip(1) {
+            let s = &state.bodies[i];
+            let force = -(a + alpha.cross(&(s.com - c0))) * b.mass;
+            let body = &mut self.physics.bodies[self.handles[i]];
+            body.add_force(to_glam(force), true);
+            body.add_torque(to_glam(-(s.inertia * alpha)), true);
+        }
+    }
+
+    fn add_wrench(&mut self, w: &Wrench) {
+        let body = &mut self.physics.bodies[self.handles[self.model.body_of[w.link].0]];
+        body.add_force_at_point(to_glam(w.force), to_glam(w.point), true);
+        body.add_torque(to_glam(w.moment), true);
+    }
+
+    fn step(&mut self) -> Result<(), WorldError> {
+        self.physics.step();
+        self.steps += 1;
+        for &h in &self.handles {
+            let body = &mut self.physics.bodies[h];
+            body.reset_forces(true);
+            body.reset_torques(true);
+        }
+        self.read_state();
+        for b in &self.model.bodies {
+            let q = &self.q[b.q_at..b.q_at + b.joint.nq()];
+            let v = &self.v[b.v_at..b.v_at + b.joint.nv()];
+            if q.iter().any(|x| !x.is_finite()) || v.iter().any(|x| x.is_nan() || x.abs() >= RUNAWAY) {
+                return Err(WorldError::Diverged {
+                    step: self.steps,
+                    time_s: self.steps as f64 / self.settings.rate_hz,
+                    body: self.model.skeleton.links()[b.link].name.clone(),
+                });
+            }
+        }
+        Ok(())
+    }
+
+    fn contacts(&self, row: usize, out: &mut Vec<ContactSample>) {
+        self.read_contacts(row, out);
     }
 }
 

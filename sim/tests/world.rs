@@ -7,7 +7,7 @@ use dynamics::{Body, Character, JointClass, Model, State};
 use motion::rotation::exp;
 use motion::{Joint, Link, Shape, Skeleton, Vec3};
 use nalgebra::{DMatrix, DVector, Matrix3};
-use sim::{Ground, World, WorldSettings};
+use sim::{Engine, Ground, World, WorldSettings};
 
 fn body(mass: f64, com: Vec3, shapes: Vec<Shape>) -> Body {
     let inertia = Matrix3::from_diagonal(&Vec3::new(0.02, 0.03, 0.025)) * mass;
@@ -49,7 +49,14 @@ fn tree() -> Character {
 }
 
 fn settings(rate_hz: f64, substeps: usize) -> WorldSettings {
-    WorldSettings { rate_hz, substeps, gravity: Vec3::new(0.0, -9.81, 0.0), ground: None, pinned: false }
+    WorldSettings {
+        rate_hz,
+        substeps,
+        gravity: Vec3::new(0.0, -9.81, 0.0),
+        ground: None,
+        pinned: false,
+        contact: Default::default(),
+    }
 }
 
 fn start(c: &Character) -> (Vec<f64>, Vec<f64>) {

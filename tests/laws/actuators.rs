@@ -6,6 +6,7 @@ use controllers::SetPoints;
 use dynamics::{Model, RootMode};
 use motion::rotation::log;
 use motion::{Joint, Vec3};
+use sim::Engine;
 
 use super::bodies::{human, rods};
 use super::stage::{bow, follow, gravity, hold, mocap, perform, performer, run};
@@ -97,6 +98,7 @@ fn dampers_only_take() {
             gravity: gravity(),
             ground: None,
             pinned: false,
+            contact: Default::default(),
         };
         let mut world = sim::World::new(&body, settings, &start, &vec![0.0; model.nv()]).unwrap();
         let drives = controller.step(1, &start, &vec![0.0; model.nv()]).unwrap().to_vec();

@@ -7,7 +7,7 @@ use controllers::{Drive, Rest};
 use dynamics::{Model, State};
 use motion::{Joint, Vec3};
 use nalgebra::DMatrix;
-use sim::{World, WorldSettings};
+use sim::{Engine, World, WorldSettings};
 
 use super::bodies::{ROD_LENGTH, ROD_MASS, human, locked, poses, rods};
 use super::stage::{RATE_HZ, gravity, hold, run};
@@ -15,8 +15,14 @@ use super::stage::{RATE_HZ, gravity, hold, run};
 /// Worst angle of any joint from upright after 20 s, rad, of rods held at zero from a slight lean.
 fn lean_after(body: &Arc<dynamics::Character>, stiffness: &[f64]) -> f64 {
     let model = Model::new(body, gravity());
-    let settings =
-        WorldSettings { rate_hz: RATE_HZ, substeps: 1, gravity: gravity(), ground: None, pinned: false };
+    let settings = WorldSettings {
+        rate_hz: RATE_HZ,
+        substeps: 1,
+        gravity: gravity(),
+        ground: None,
+        pinned: false,
+        contact: Default::default(),
+    };
     let mut world = World::new(body, settings, &body.rest, &vec![0.0; model.nv()]).unwrap();
     let mut q = body.rest.clone();
     model.skeleton.integrate(&mut q, &vec![1e-3; model.nv()], 1.0);

@@ -7,6 +7,10 @@
 //! | module | holds |
 //! |---|---|
 //! | [`bvh`] | Biovision hierarchy: read, guess units and up axis, write |
+//! | [`mjcf`] | MuJoCo's XML: bodies, joints, geoms, inertias |
+//! | [`urdf`] | the robot description of ROS: links, joints, inertias |
+//! | [`model_file`] | what both of these are read into |
+//! | [`xml`] | XML whose elements know their place |
 //! | [`glb`] | binary glTF 2.0: write skeleton, skinned solids, animation |
 
 use std::io::Write;
@@ -14,8 +18,14 @@ use std::path::{Path, PathBuf};
 
 use thiserror::Error;
 
+mod attributes;
 pub mod bvh;
 pub mod glb;
+pub mod mjcf;
+pub mod model_file;
+pub mod urdf;
+mod vocabulary;
+pub mod xml;
 
 /// A file that could not be read or written.
 #[derive(Debug, Error)]

@@ -1,0 +1,229 @@
+//! The pipe to MuJoCo: requests out, answers in.
+//!
+//! In: a Python with MuJoCo. Out: a [`Bridge`] that loads models and answers about them. The other end is
+//! `driver.py`, which says the framing. Numbers here are in MuJoCo's layout; [`crate::layout`] converts.
+
+use std::io::{BufReader, BufWriter, Read, Write};
+use std::path::Path;
+use std::process::{Child, ChildStdin, ChildStdout, Command, Stdio};
+
+use motion::Vec3;
+use serde::Deserialize;
+use serde_json::{Value, json};
+
+/// Why MuJoCo does not answer.
+#[derive(Debug, thiserror::Error)]
+pub enum BridgeError {
+    /// It could not be started or went away.
+    #[error("MuJoCo's process {0}")]
+    Gone(String),
+    /// It refused a request.
+    #[error("MuJoCo refuses: {0}")]
+    Refused(String),
+    /// It answered something else than asked.
+    #[error("MuJoCo answered {found} numbers, {wanted} were expected")]
+    Length {
+        /// Numbers found.
+        found: usize,
+        /// Numbers expected.
+        wanted: usize,
+    },
+}
+
+/// A joint of a loaded model.
+#[derive(Clone, Debug, Deserialize)]
+pub struct JointInfo {
+    /// Name.
+    pub name: String,
+    /// `free`, `ball`, `slide` or `hinge`.
+    pub kind: String,
+    /// Start in `qpos`.
+    pub q: usize,
+    /// Start in `qvel`.
+    pub v: usize,
+    /// Name of its body.
+    pub body: String,
+}
+
+/// A body of a loaded model.
+#[derive(Clone, Debug, Deserialize)]
+pub struct BodyInfo {
+    /// Name.
+    pub name: String,
+    /// Mass, kg.
+    pub mass: f64,
+}
+
+/// A loaded model.
+#[derive(Clone, Debug, Deserialize)]
+pub struct ModelInfo {
+    /// Length of `qpos`.
+    pub nq: usize,
+    /// Length of `qvel`.
+    pub nv: usize,
+    /// Joints in order.
+    pub joints: Vec<JointInfo>,
+    /// Bodies in order, the world first.
+    pub bodies: Vec<BodyInfo>,
+    /// Gravity in the file's axes, m/s².
+    pub gravity: [f64; 3],
+    /// MuJoCo's version.
+    pub version: String,
+    /// Reference pose, `nq`.
+    #[serde(skip)]
+    pub qpos0: Vec<f64>,
+    /// Centre of mass of each body in the reference pose, the file's world, m.
+    #[serde(skip)]
+    pub coms: Vec<Vec3>,
+    /// Position of each joint in the reference pose, m.
+    #[serde(skip)]
+    pub anchors: Vec<Vec3>,
+    /// Axis of each hinge or slide in the reference pose.
+    #[serde(skip)]
+    pub axes: Vec<Vec3>,
+}
+
+/// A running MuJoCo. See the module header.
+pub struct Bridge {
+    child: Child,
+    to: BufWriter<ChildStdin>,
+    from: BufReader<ChildStdout>,
+    bytes: Vec<u8>,
+}
+
+const DRIVER: &str = include_str!("driver.py");
+
+impl Bridge {
+    /// Starts MuJoCo in `python`.
+    ///
+    /// # Errors
+    /// [`BridgeError::Gone`].
+    pub fn start(python: &Path) -> Result<Self, BridgeError> {
+        let gone = |e: std::io::Error| BridgeError::Gone(format!("cannot be started: {e}"));
+        let mut child = Command::new(python)
+            .args(["-c", DRIVER])
+            // MuJoCo leaves its log where it runs
+            .current_dir(std::env::temp_dir())
+            .env("PYTHONDONTWRITEBYTECODE", "1")
+            .stdin(Stdio::piped())
+            .stdout(Stdio::piped())
+            .stderr(Stdio::piped())
+            .spawn()
+            .map_err(gone)?;
+        let to = BufWriter::new(child.stdin.take().expect("piped"));
+        let from = BufReader::new(child.stdout.take().expect("piped"));
+        let mut bridge = Self { child, to, from, bytes: Vec::new() };
+        bridge.receive()?;
+        Ok(bridge)
+    }
+
+    /// Loads a model from a file or from text; contacts, limits, equalities, friction losses, springs,
+    /// dampers and actuators named in `disable` are off. Armature is left out with `no_armature`.
+    ///
+    /// # Errors
+    /// [`BridgeError::Refused`] with MuJoCo's words.
+    pub fn load(
+        &mut self,
+        model: &Source<'_>,
+        disable: &[&str],
+        no_armature: bool,
+    ) -> Result<ModelInfo, BridgeError> {
+        let mut request = json!({"op": "load", "disable": disable, "no_armature": no_armature});
+        match model {
+            Source::Text(text) => request["xml"] = json!(text),
+            Source::File(path) => request["path"] = json!(path.to_string_lossy()),
+        }
+        let (head, numbers) = self.call(&request, &[])?;
+        let mut info: ModelInfo =
+            serde_json::from_value(head).map_err(|e| BridgeError::Gone(format!("said nonsense: {e}")))?;
+        let (nq, nb, nj) = (info.nq, info.bodies.len(), info.joints.len());
+        expect(&numbers, nq + 3 * nb + 6 * nj)?;
+        let triples = |x: &[f64]| x.chunks_exact(3).map(|c| Vec3::new(c[0], c[1], c[2])).collect();
+        let (first, rest) = numbers.split_at(nq);
+        let (coms, rest) = rest.split_at(3 * nb);
+        let (anchors, axes) = rest.split_at(3 * nj);
+        info.qpos0 = first.to_vec();
+        info.coms = triples(coms);
+        info.anchors = triples(anchors);
+        info.axes = triples(axes);
+        Ok(info)
+    }
+
+    /// Sends a request and waits for the answer.
+    ///
+    /// # Errors
+    /// [`BridgeError`].
+    pub fn call(&mut self, head: &Value, numbers: &[f64]) -> Result<(Value, Vec<f64>), BridgeError> {
+        let text = head.to_string();
+        let sent = (|| {
+            self.to.write_all(&(text.len() as u32).to_le_bytes())?;
+            self.to.write_all(text.as_bytes())?;
+            self.to.write_all(&(numbers.len() as u32).to_le_bytes())?;
+            for x in numbers {
+                self.to.write_all(&x.to_le_bytes())?;
+            }
+            self.to.flush()
+        })();
+        match sent {
+            Ok(()) => self.receive(),
+            Err(_) => Err(self.gone()),
+        }
+    }
+
+    fn receive(&mut self) -> Result<(Value, Vec<f64>), BridgeError> {
+        let mut read = || -> std::io::Result<(Value, Vec<f64>)> {
+            let mut size = [0; 4];
+            self.from.read_exact(&mut size)?;
+            self.bytes.resize(u32::from_le_bytes(size) as usize, 0);
+            self.from.read_exact(&mut self.bytes)?;
+            let head = serde_json::from_slice(&self.bytes)?;
+            self.from.read_exact(&mut size)?;
+            self.bytes.resize(8 * u32::from_le_bytes(size) as usize, 0);
+            self.from.read_exact(&mut self.bytes)?;
+            let number = |c: &[u8]| f64::from_le_bytes(c.try_into().expect("eight bytes"));
+            Ok((head, self.bytes.chunks_exact(8).map(number).collect()))
+        };
+        match read() {
+            Ok((head, numbers)) => match head.get("error").and_then(Value::as_str) {
+                Some(text) => Err(BridgeError::Refused(text.into())),
+                None => Ok((head, numbers)),
+            },
+            Err(_) => Err(self.gone()),
+        }
+    }
+
+    /// What the process said before it went away.
+    fn gone(&mut self) -> BridgeError {
+        let _ = self.child.kill();
+        let mut text = String::new();
+        if let Some(mut stderr) = self.child.stderr.take() {
+            let _ = stderr.read_to_string(&mut text);
+        }
+        let last = text.lines().rfind(|l| !l.trim().is_empty()).unwrap_or("without a word");
+        BridgeError::Gone(format!("went away: {last}"))
+    }
+}
+
+impl Drop for Bridge {
+    fn drop(&mut self) {
+        let _ = self.child.kill();
+        let _ = self.child.wait();
+    }
+}
+
+/// Where MuJoCo gets a model from.
+#[derive(Clone, Copy, Debug)]
+pub enum Source<'a> {
+    /// MJCF text.
+    Text(&'a str),
+    /// An MJCF or URDF file.
+    File(&'a Path),
+}
+
+/// Checks the length of an answer.
+///
+/// # Errors
+/// [`BridgeError::Length`].
+pub fn expect(numbers: &[f64], wanted: usize) -> Result<(), BridgeError> {
+    if numbers.len() == wanted { Ok(()) } else { Err(BridgeError::Length { found: numbers.len(), wanted }) }
+}

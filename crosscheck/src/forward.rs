@@ -1,0 +1,109 @@
+//! Motion without contacts: rapier against MuJoCo's fourth-order integrator, with the order of convergence.
+//!
+//! In: MuJoCo, a stage whose root is pinned. Out: checks and the curves of the joint that differs most. The
+//! ground is taken away, so that nothing but inertia, gravity and muscles is compared. The reference holds
+//! its drives for 1/7680 s and takes one Runge–Kutta step in each.
+
+use dynamics::Trace;
+use motion::Clip;
+use motion::metrics::{joint_errors, joint_rms_deg};
+use scenes::Stage;
+use sim::PassError;
+
+use crate::check::Check;
+use crate::ground::{Shared, in_mujoco};
+use crate::world::Integration;
+
+/// Control steps per second of the reference.
+pub const REFERENCE_HZ: f64 = 7680.0;
+/// Control steps per second rapier is tried at, each with two substeps; the second is the default.
+pub const RATES_HZ: [f64; 4] = [120.0, 240.0, 480.0, 960.0];
+const SUBSTEPS: usize = 2;
+/// Longest span compared, s.
+pub const LONGEST: f64 = 4.0;
+/// Motions are compared at this rate, at times all of them have, Hz.
+const COMMON_HZ: f64 = 120.0;
+
+/// What came of it.
+pub struct ForwardRun {
+    /// The checks.
+    pub checks: Vec<Check>,
+    /// Joint RMS at each of [`RATES_HZ`], degrees.
+    pub errors_deg: [f64; 4],
+    /// Link whose joint differs most at the default step.
+    pub link: usize,
+    /// Rapier's motion at the default step and the reference, at the common rate.
+    pub clips: [Clip; 2],
+}
+
+/// Compares up to [`LONGEST`] seconds of a stage.
+///
+/// # Errors
+/// Of either engine.
+pub fn compare(
+    bridge: &Shared,
+    stage: &Stage,
+    progress: &mut dyn FnMut(f64),
+) -> Result<ForwardRun, PassError> {
+    let pass = |rate_hz: f64| {
+        let mut at = stage.clone();
+        at.physics.rate_hz = rate_hz;
+        let mut pass = at.pass();
+        pass.substeps = Some(SUBSTEPS);
+        pass.ground = None;
+        pass.setup.ground_m = None;
+        pass
+    };
+    let end_s = stage.kinematic.duration_s().min(LONGEST);
+    let common = |trace: &Trace| {
+        let clip = trace.clip().resample(COMMON_HZ);
+        let frames = ((end_s * COMMON_HZ) as usize + 1).min(clip.frames());
+        let nq = clip.skeleton.nq();
+        Clip::new(clip.skeleton.clone(), COMMON_HZ, clip.data()[..frames * nq].to_vec())
+    };
+    let reference = in_mujoco(bridge, pass(REFERENCE_HZ), &Integration::reference(1), end_s, progress)?;
+    let reference = common(&reference);
+    let mut errors_deg = [0.0; 4];
+    let mut ours = None;
+    for (error, rate_hz) in errors_deg.iter_mut().zip(RATES_HZ) {
+        let outcome = pass(rate_hz).run(&mut |_| {})?;
+        if let Some(why) = outcome.diverged {
+            return Err(why.into());
+        }
+        let clip = common(&outcome.trace);
+        *error = joint_rms_deg(&joint_errors(&clip, &reference));
+        if rate_hz == RATES_HZ[1] {
+            ours = Some(clip);
+        }
+    }
+    let ours = ours.expect("the default is among the rates");
+    let worst = joint_errors(&ours, &reference).into_iter().max_by(|a, b| a.rms_deg.total_cmp(&b.rms_deg));
+    let link = worst.map_or(0, |e| e.link);
+    let name = &ours.skeleton.links()[link].name;
+    let mut checks = vec![
+        Check::of(
+            "motion without contact: joint RMS at the default step",
+            "°",
+            (errors_deg[1], 0.0),
+            errors_deg[1],
+            errors_deg[1],
+            0.5,
+            crate::check::Measure::Absolute,
+        )
+        .at(format!("240 Hz, {SUBSTEPS} substeps, {end_s:.1} s; most at `{name}`"))
+        .because(
+            "rapier's integrator is first order: the error halves with the step, as the orders below say",
+        ),
+    ];
+    for k in 0..3 {
+        // below rounding of the comparison there is no order to see
+        if errors_deg[k + 1] > 1e-6 {
+            let order = (errors_deg[k] / errors_deg[k + 1]).log2();
+            let name =
+                format!("motion without contact: order from {} to {} Hz", RATES_HZ[k], RATES_HZ[k + 1]);
+            let errors = format!("{:.4}° to {:.4}°", errors_deg[k], errors_deg[k + 1]);
+            checks.push(Check::absolute(&name, "", order, 1.0, 0.25).at(errors));
+        }
+    }
+    Ok(ForwardRun { checks, errors_deg, link, clips: [ours, reference] })
+}

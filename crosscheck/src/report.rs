@@ -1,0 +1,287 @@
+//! The table of a cross-check: as text, as a page with figures, as JSON.
+//!
+//! In: a [`CrossCheck`]. Out: text and figures; nothing is written to disk here. The JSON is
+//! `{"name", "mujoco", "seed", "states", "failed", "checks": [{"quantity", "ours", "mujoco", "abs_error",
+//! "rel_error", "threshold", "measure", "unit", "at", "pass", "reason"}], "left_out"}`.
+
+use std::fmt::Write;
+
+use motion::skeleton::quat_at;
+use motion::{Clip, Joint};
+use plots::Figure;
+use plots::panel::{Key, Panel, Series, page};
+use plots::style;
+use serde_json::json;
+
+use crate::check::{Check, Measure};
+use crate::forward::{ForwardRun, RATES_HZ};
+use crate::ground::{LandingRun, SceneRun};
+use crate::subject::CrossCheck;
+
+/// A number with as many digits as it takes to see the difference, within 10 characters.
+fn short(x: f64) -> String {
+    match x.abs() {
+        0.0 => "0".into(),
+        a if !(1e-3..1e6).contains(&a) => format!("{x:.3e}"),
+        a if a >= 100.0 => format!("{x:.3}"),
+        _ => format!("{x:.5}"),
+    }
+}
+
+fn error(check: &Check) -> (f64, &'static str) {
+    match check.measure {
+        Measure::Relative => (check.rel_error, "rel"),
+        Measure::Absolute => (check.abs_error, "abs"),
+    }
+}
+
+/// The table as text: one line per check, reasons below it.
+pub fn text(cross: &CrossCheck) -> String {
+    let mut rows = vec![[
+        String::new(),
+        "quantity".into(),
+        "ours".into(),
+        "MuJoCo".into(),
+        "error".into(),
+        "allowed".into(),
+        "where".into(),
+    ]];
+    for c in &cross.checks {
+        let (e, kind) = error(c);
+        let unit = if c.unit.is_empty() { String::new() } else { format!(" {}", c.unit) };
+        rows.push([
+            if c.pass { "ok".into() } else { "FAIL".into() },
+            c.quantity.clone(),
+            short(c.ours) + &unit,
+            short(c.mujoco) + &unit,
+            format!("{e:.1e} {kind}"),
+            format!("{:.0e}", c.threshold),
+            c.at.clone(),
+        ]);
+    }
+    let width = |k: usize| rows.iter().map(|r| r[k].chars().count()).max().unwrap_or(0);
+    let widths: Vec<usize> = (0..6).map(width).collect();
+    let mut out = String::new();
+    let mut reasons = cross.checks.iter().map(|c| c.reason.as_deref());
+    for (i, row) in rows.iter().enumerate() {
+        let mut line = String::new();
+        for (k, cell) in row.iter().enumerate() {
+            let pad = widths.get(k).map_or(0, |w| w - cell.chars().count());
+            let _ = write!(line, "{cell}{:pad$}  ", "");
+        }
+        let _ = writeln!(out, "{}", line.trim_end());
+        if i > 0
+            && let Some(reason) = reasons.next().flatten()
+        {
+            let _ = writeln!(out, "      because {reason}");
+        }
+    }
+    for item in &cross.left_out {
+        let _ = writeln!(out, "left out: {item}");
+    }
+    out
+}
+
+/// The table as JSON.
+pub fn json(cross: &CrossCheck) -> String {
+    let value = json!({
+        "name": cross.name,
+        "mujoco": cross.mujoco,
+        "seed": cross.seed,
+        "states": cross.states,
+        "failed": cross.failed(),
+        "checks": cross.checks,
+        "left_out": cross.left_out,
+    });
+    serde_json::to_string_pretty(&value).expect("plain data") + "\n"
+}
+
+/// Overlay plots, each with the stem of its file.
+pub fn figures(cross: &CrossCheck) -> Vec<(&'static str, Figure)> {
+    let mut out = Vec::new();
+    if let Some(forward) = &cross.forward {
+        out.push(("motion", motion_figure(&cross.name, forward)));
+    }
+    if let Some(landing) = &cross.landing {
+        out.push(("landing", landing_figure(landing)));
+    }
+    if let Some(scene) = &cross.scene {
+        out.push(("contact", scene_figure(&cross.name, scene)));
+    }
+    out
+}
+
+/// The page: verdict, table, figures.
+///
+/// # Errors
+/// Of a figure.
+pub fn html(cross: &CrossCheck) -> Result<String, plots::FigureError> {
+    let (failed, all) = (cross.failed(), cross.checks.len());
+    let verdict =
+        if failed == 0 { format!("all {all} checks pass") } else { format!("{failed} of {all} checks fail") };
+    let mut rows = String::new();
+    for c in &cross.checks {
+        let (e, kind) = error(c);
+        let class = if c.pass { "ok" } else { "fail" };
+        let reason = c.reason.as_deref().map(|r| format!("<div class=reason>{}</div>", escape(r)));
+        let _ = write!(
+            rows,
+            "<tr class={class}><td>{class}</td><td>{}{}</td><td>{} {unit}</td><td>{} {unit}</td><td>{:.2e}</td><td>{:.2e}</td><td>{:.0e} {kind}</td><td>{}</td></tr>\n",
+            escape(&c.quantity),
+            reason.unwrap_or_default(),
+            short(c.ours),
+            short(c.mujoco),
+            c.abs_error,
+            c.rel_error,
+            c.threshold,
+            escape(&c.at),
+            unit = escape(&c.unit),
+        );
+        debug_assert!(e.is_finite() || !c.pass);
+    }
+    let mut pictures = String::new();
+    for (stem, figure) in figures(cross) {
+        let _ = writeln!(pictures, "<figure id={stem}>{}</figure>", inline(&figure.svg()?));
+    }
+    let left: String = cross.left_out.iter().map(|l| format!("<li>{}</li>", escape(l))).collect();
+    let left = if left.is_empty() { left } else { format!("<h2>Left out of the file</h2><ul>{left}</ul>") };
+    let name = escape(&cross.name);
+    Ok(format!(
+        "<!doctype html>
+<html lang=en><meta charset=utf-8><meta name=viewport content=\"width=device-width\">
+<title>{name}: cross-check with MuJoCo</title>
+<style>
+body {{ font: 15px/1.45 system-ui, sans-serif; color: #262a30; max-width: 1500px; margin: 2em auto; padding: 0 1em }}
+table {{ border-collapse: collapse; width: 100% }}
+td, th {{ text-align: left; padding: .3em .7em; border-bottom: 1px solid #e1e4e8; vertical-align: top }}
+td:nth-child(n+3):nth-child(-n+7) {{ font-variant-numeric: tabular-nums; white-space: nowrap }}
+.ok td:first-child {{ color: #009e73 }} .fail td {{ background: #fdeee6 }} .fail td:first-child {{ color: #d55e00; font-weight: bold }}
+.reason {{ color: #626973; font-size: 13px; max-width: 46em }}
+figure {{ margin: 2em 0 }} svg {{ width: 100%; height: auto }}
+</style>
+<h1>{name}: cross-check with MuJoCo {}</h1>
+<p><b>{verdict}</b>. {} random states, seed {}.</p>
+<table><tr><th></th><th>quantity</th><th>ours</th><th>MuJoCo</th><th>absolute error</th><th>relative error</th><th>allowed</th><th>where</th></tr>
+{rows}</table>
+{left}
+{pictures}</html>
+",
+        cross.mujoco, cross.states, cross.seed
+    ))
+}
+
+/// An SVG document as an element of a page.
+fn inline(svg: &str) -> &str {
+    svg.find("<svg").map_or(svg, |at| &svg[at..])
+}
+
+fn escape(text: &str) -> String {
+    text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;")
+}
+
+const WIDTH: f64 = 1500.0;
+
+fn keys() -> [Key; 2] {
+    [Key::line("rapier", style::BLUE), Key::dashed("MuJoCo", style::VERMILION)]
+}
+
+fn both(rate_hz: f64, ours: Vec<f64>, theirs: Vec<f64>) -> Vec<Series> {
+    vec![
+        Series::over_time(rate_hz, ours, style::BLUE).wide(2.4),
+        Series::over_time(rate_hz, theirs, style::VERMILION).dashed(),
+    ]
+}
+
+fn motion_figure(name: &str, run: &ForwardRun) -> Figure {
+    let [ours, theirs] = &run.clips;
+    let frames = ours.frames().min(theirs.frames());
+    let angle = |clip: &Clip, f: usize| {
+        let link = run.link;
+        let (q, at) = (clip.pose(f), clip.skeleton.q_at(link));
+        match clip.skeleton.links()[link].joint {
+            Joint::Spherical => quat_at(q, at).angle().to_degrees(),
+            _ => q[at].to_degrees(),
+        }
+    };
+    let apart = |f: usize| {
+        let at = ours.skeleton.q_at(run.link);
+        let (a, b) = (ours.pose(f), theirs.pose(f));
+        match ours.skeleton.links()[run.link].joint {
+            Joint::Spherical => quat_at(a, at).angle_to(&quat_at(b, at)).to_degrees(),
+            _ => (a[at] - b[at]).abs().to_degrees(),
+        }
+    };
+    let joint = &ours.skeleton.links()[run.link].name;
+    let rate = ours.rate_hz;
+    let all = |clip: &Clip| (0..frames).map(|f| angle(clip, f)).collect();
+    let orders: Vec<String> =
+        RATES_HZ.iter().zip(run.errors_deg).map(|(r, e)| format!("{e:.4}° at {r:.0} Hz")).collect();
+    let panels = [
+        Panel {
+            title: format!("{joint}: angle from its zero pose, the joint that differs most"),
+            y_label: "angle (°)".into(),
+            series: both(rate, all(ours), all(theirs)),
+            ..Panel::default()
+        },
+        Panel {
+            title: "the angle between the two".into(),
+            x_label: "time (s)".into(),
+            y_label: "angle (°)".into(),
+            series: vec![Series::over_time(rate, (0..frames).map(apart), style::INK)],
+            ..Panel::default()
+        },
+    ];
+    let note = format!("{name}, root pinned, no ground · joint RMS {}", orders.join(", "));
+    page("Motion without contact", &note, &keys(), &panels, 1, WIDTH, 230.0)
+}
+
+fn landing_figure(run: &LandingRun) -> Figure {
+    let [ours, theirs] = run.force.clone();
+    let panels = [Panel {
+        title: "vertical force on a box of 12 kg dropped from 5 cm onto springs".into(),
+        x_label: "time (s)".into(),
+        y_label: "force (N)".into(),
+        series: both(run.rate_hz, ours, theirs),
+        ..Panel::default()
+    }];
+    page("Landing at matched compliance", "", &keys(), &panels, 1, WIDTH, 280.0)
+}
+
+fn scene_figure(name: &str, run: &SceneRun) -> Figure {
+    let rate = run.ours.rate_hz;
+    let total = |t: &dynamics::Trace| -> Vec<f64> {
+        // the first row is the start: nothing has pushed yet
+        t.contact_sums().iter().enumerate().map(|(k, f)| if k == 0 { f64::NAN } else { f.y }).collect()
+    };
+    let of_leg = |t: &dynamics::Trace, end: usize| {
+        let mut sums = vec![0.0; t.rows()];
+        sums[0] = f64::NAN;
+        let body = |l: usize| t.character.skeleton.links()[l].parent;
+        for c in &t.contacts {
+            if c.link == end || body(c.link) == Some(end) {
+                sums[c.row] += c.force.y;
+            }
+        }
+        sums
+    };
+    let mut panels = vec![Panel {
+        title: "vertical ground force, in total".into(),
+        y_label: "force (N)".into(),
+        series: both(rate, total(&run.ours), total(&run.theirs)),
+        ..Panel::default()
+    }];
+    let character = run.ours.character.clone();
+    for leg in character.legs() {
+        panels.push(Panel {
+            title: format!("of {}", leg.name),
+            y_label: "force (N)".into(),
+            series: both(rate, of_leg(&run.ours, leg.end), of_leg(&run.theirs, leg.end)),
+            ..Panel::default()
+        });
+    }
+    if let Some(last) = panels.last_mut() {
+        last.x_label = "time (s)".into();
+    }
+    let note = format!("{name}: controllers closed over each engine's own state, each from its own rest");
+    page("Ground forces in two engines", &note, &keys(), &panels, 1, WIDTH, 200.0)
+}

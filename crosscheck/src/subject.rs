@@ -1,0 +1,308 @@
+//! What is cross-checked, and the whole of it.
+//!
+//! In: a scene, a clip, a character or a model file, and options. Out: a [`CrossCheck`]: the checks, and the
+//! curves behind them.
+//!
+//! | file | ours | MuJoCo's | compared |
+//! |---|---|---|---|
+//! | scene `.ron`, clip `.bvh` | its character | the same, as MJCF | states, motion, and on its feet: contact |
+//! | character `.ron` | the character | the same, as MJCF | states |
+//! | MJCF `.xml`, URDF `.urdf` | as [`dynamics::import`] reads it | as MuJoCo reads it | states |
+
+use std::cell::RefCell;
+use std::path::{Path, PathBuf};
+use std::rc::Rc;
+
+use dynamics::import::{self, ImportError, ImportOptions, Imported};
+use dynamics::mjcf::{self, MjcfError, MjcfOptions};
+use dynamics::{Character, Model, RootMode};
+use motion::{Quat, Vec3};
+use scenes::overrides::{Overrides, RootChoice};
+use scenes::{Stage, StageError};
+use sim::PassError;
+
+use crate::bridge::{Bridge, BridgeError, Source};
+use crate::check::Check;
+use crate::environment::{self, EnvironmentError};
+use crate::forward::{self, ForwardRun};
+use crate::ground::{self, LandingRun, SceneRun};
+use crate::inject::{Injection, InjectionError};
+use crate::layout::{Layout, LayoutError};
+use crate::rigid::{self, OFF, Pair};
+
+/// How to cross-check.
+#[derive(Clone, Debug)]
+pub struct Options {
+    /// Seed of the random states.
+    pub seed: u64,
+    /// Number of random states.
+    pub states: usize,
+    /// Leave out and list what a model file has and rigid-body dynamics has not, instead of refusing it.
+    pub dynamics_only: bool,
+    /// Another file for MuJoCo's side.
+    pub against: Option<PathBuf>,
+    /// Faults to put into our side.
+    pub inject: Vec<Injection>,
+    /// Random states only: no motion, no contact.
+    pub states_only: bool,
+}
+
+impl Default for Options {
+    fn default() -> Self {
+        Self {
+            seed: 1,
+            states: 1000,
+            dynamics_only: false,
+            against: None,
+            inject: Vec::new(),
+            states_only: false,
+        }
+    }
+}
+
+/// Why nothing can be compared.
+#[derive(Debug, thiserror::Error)]
+pub enum CrossCheckError {
+    /// A scene, clip or character file.
+    #[error(transparent)]
+    Stage(#[from] StageError),
+    /// A model file.
+    #[error(transparent)]
+    Import(#[from] ImportError),
+    /// A fault that cannot be put in.
+    #[error("--inject: {0}")]
+    Inject(#[from] InjectionError),
+    /// Two files of different kinds.
+    #[error("--against {against}: {what} is compared with a file of its own kind")]
+    Against {
+        /// The other file.
+        against: String,
+        /// What is checked.
+        what: &'static str,
+    },
+    /// A character that MJCF has no words for.
+    #[error("no MJCF of this character: {0}")]
+    Mjcf(#[from] MjcfError),
+    /// No MuJoCo.
+    #[error(transparent)]
+    Environment(#[from] EnvironmentError),
+    /// MuJoCo does not answer.
+    #[error(transparent)]
+    Bridge(#[from] BridgeError),
+    /// The two trees differ.
+    #[error("the two models do not have the same joints: {0}")]
+    Layout(#[from] LayoutError),
+    /// A run that failed.
+    #[error(transparent)]
+    Pass(#[from] PassError),
+    /// An engine that failed.
+    #[error(transparent)]
+    World(#[from] sim::WorldError),
+}
+
+impl CrossCheckError {
+    /// Whether the input is at fault, not the run.
+    pub fn is_input(&self) -> bool {
+        matches!(
+            self,
+            Self::Stage(_) | Self::Import(_) | Self::Inject(_) | Self::Against { .. } | Self::Mjcf(_)
+        )
+    }
+}
+
+/// All that was compared.
+pub struct CrossCheck {
+    /// Name of the subject.
+    pub name: String,
+    /// MuJoCo's version.
+    pub mujoco: String,
+    /// Seed of the random states.
+    pub seed: u64,
+    /// Number of random states.
+    pub states: usize,
+    /// The checks, in order.
+    pub checks: Vec<Check>,
+    /// What a model file has and the comparison has not.
+    pub left_out: Vec<String>,
+    /// Motion without contacts.
+    pub forward: Option<ForwardRun>,
+    /// The landing box.
+    pub landing: Option<LandingRun>,
+    /// The scene on its feet.
+    pub scene: Option<SceneRun>,
+}
+
+impl CrossCheck {
+    /// Checks that failed.
+    pub fn failed(&self) -> usize {
+        self.checks.iter().filter(|c| !c.pass).count()
+    }
+}
+
+enum Subject {
+    Model(Box<Imported>),
+    Character(Character),
+    Stage(Box<Stage>),
+}
+
+/// Runs a cross-check; `say` is told what is being done, with the fraction of it that is done.
+///
+/// # Errors
+/// [`CrossCheckError`]. Checks that fail are no error.
+pub fn run(
+    path: &Path,
+    options: &Options,
+    say: &mut dyn FnMut(&str, f64),
+) -> Result<CrossCheck, CrossCheckError> {
+    let subject = open(path, options)?;
+    let other = options.against.as_deref().map(|p| open(p, options).map(|s| (p, s))).transpose()?;
+    let python = environment::prepare(&mut |text| say(text, 0.0))?;
+    say("random states", 0.0);
+    let bridge = Rc::new(RefCell::new(Bridge::start(&python)?));
+    let name = path.file_stem().map_or_else(|| "model".into(), |s| s.to_string_lossy().into_owned());
+    let mut out = CrossCheck {
+        name,
+        mujoco: environment::MUJOCO.into(),
+        seed: options.seed,
+        states: options.states,
+        checks: Vec::new(),
+        left_out: Vec::new(),
+        forward: None,
+        landing: None,
+        scene: None,
+    };
+    let wrong = |c: &Character| -> Result<Character, InjectionError> {
+        options.inject.iter().try_fold(c.clone(), |c, fault| fault.apply(&c))
+    };
+    let against = |what| CrossCheckError::Against {
+        against: options.against.as_ref().map_or_else(String::new, |p| p.display().to_string()),
+        what,
+    };
+    match &subject {
+        Subject::Model(ours) => {
+            let file = match &other {
+                None => path,
+                Some((p, Subject::Model(_))) => p,
+                Some(_) => return Err(against("a model file")),
+            };
+            out.left_out = ours.left_out.iter().map(ToString::to_string).collect();
+            let character = wrong(&ours.character)?;
+            let joints: Vec<usize> = ours.joints.iter().map(|j| j.link).collect();
+            let file = std::path::absolute(file).unwrap_or_else(|_| file.to_owned());
+            let theirs = Theirs { source: Source::File(&file), joints: &joints, turn: ours.ours_from_file };
+            out.checks = states(&character, ours.gravity, &theirs, true, &bridge, options)?;
+        }
+        Subject::Character(_) | Subject::Stage(_) => {
+            let (character, gravity) = subject.body();
+            let there = match &other {
+                None => character,
+                Some((_, Subject::Model(_))) => return Err(against("a scene or character")),
+                Some((_, s)) => s.body().0,
+            };
+            let file = mjcf::write(there, &MjcfOptions { gravity, ..MjcfOptions::default() })?;
+            let theirs =
+                Theirs { source: Source::Text(&file.text), joints: &file.joints, turn: Quat::identity() };
+            out.checks = states(&wrong(character)?, gravity, &theirs, false, &bridge, options)?;
+        }
+    }
+    if let (Subject::Stage(stage), false) = (&subject, options.states_only) {
+        engines(path, stage, options, &bridge, &mut out, say)?;
+    }
+    Ok(out)
+}
+
+impl Subject {
+    fn body(&self) -> (&Character, Vec3) {
+        match self {
+            Self::Model(m) => (&m.character, m.gravity),
+            Self::Character(c) => (c, Vec3::new(0.0, -9.81, 0.0)),
+            Self::Stage(s) => (&s.character, s.physics.gravity),
+        }
+    }
+}
+
+fn open(path: &Path, options: &Options) -> Result<Subject, CrossCheckError> {
+    let kind = path.extension().map(|e| e.to_string_lossy().to_lowercase());
+    match kind.as_deref() {
+        Some("xml" | "mjcf" | "urdf") => {
+            let read = ImportOptions { dynamics_only: options.dynamics_only };
+            Ok(Subject::Model(Box::new(import::open(path, &read)?)))
+        }
+        Some("ron") => match scenes::character_in(path).map_err(StageError::from)? {
+            Some(character) => Ok(Subject::Character(character)),
+            None => Ok(Subject::Stage(Box::new(stage_of(path, None)?))),
+        },
+        _ => Ok(Subject::Stage(Box::new(stage_of(path, None)?))),
+    }
+}
+
+fn stage_of(path: &Path, root: Option<RootChoice>) -> Result<Stage, StageError> {
+    let overrides = Overrides { root, ..Overrides::default() };
+    scenes::open_with(path, None, &Default::default(), &overrides)
+}
+
+struct Theirs<'a> {
+    source: Source<'a>,
+    joints: &'a [usize],
+    turn: Quat,
+}
+
+fn states(
+    character: &Character,
+    gravity: Vec3,
+    theirs: &Theirs<'_>,
+    file_axes: bool,
+    bridge: &RefCell<Bridge>,
+    options: &Options,
+) -> Result<Vec<Check>, CrossCheckError> {
+    let mut bridge = bridge.borrow_mut();
+    let info = bridge.load(&theirs.source, &OFF, true)?;
+    let model = Model::new(character, gravity);
+    let layout = Layout::new(&character.skeleton, theirs.joints, &info, file_axes)?;
+    let pair = Pair {
+        model: &model,
+        info: &info,
+        layout: &layout,
+        joints: theirs.joints,
+        ours_from_file: theirs.turn,
+    };
+    Ok(rigid::compare(&pair, &mut bridge, options.seed, options.states)?)
+}
+
+/// Motion and contact of a stage. Faults are put into our side by giving MuJoCo the stage as it was.
+fn engines(
+    path: &Path,
+    stage: &Stage,
+    options: &Options,
+    bridge: &ground::Shared,
+    out: &mut CrossCheck,
+    say: &mut dyn FnMut(&str, f64),
+) -> Result<(), CrossCheckError> {
+    let faulty = !options.inject.is_empty() || options.against.is_some();
+    if faulty {
+        // the states have told already; two different bodies do not move alike
+        return Ok(());
+    }
+    let free = matches!(stage.character.skeleton.links()[0].joint, motion::Joint::Free);
+    let pinned = if free { stage_of(path, Some(RootChoice::Pinned))? } else { stage.clone() };
+    say("motion without contact", 0.0);
+    let forward = forward::compare(bridge, &pinned, &mut |x| say("motion without contact", x))?;
+    out.checks.extend(forward.checks.clone());
+    out.forward = Some(forward);
+    let on_feet = stage.physics.root == RootMode::Free && free && stage.physics.ground.is_some();
+    if !on_feet || stage.plants.is_empty() {
+        return Ok(());
+    }
+    say("boxes", 0.0);
+    out.checks.extend(ground::resting_box(bridge)?);
+    let landing = ground::landing(bridge)?;
+    out.checks.extend(landing.checks.clone());
+    out.landing = Some(landing);
+    say("standing", 0.0);
+    out.checks.push(ground::standing_weight(bridge, stage)?);
+    say("on its feet", 0.0);
+    let scene = ground::scene(bridge, stage, &mut |x| say("on its feet", x))?;
+    out.checks.extend(scene.checks.clone());
+    out.scene = Some(scene);
+    Ok(())
+}

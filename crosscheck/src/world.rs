@@ -1,0 +1,282 @@
+//! MuJoCo as an engine of the dynamic pass.
+//!
+//! In: a character, the settings of the pass, how MuJoCo is to integrate. Out: an [`Engine`]: controllers see
+//! MuJoCo's own state, so a balance that is closed over rapier is closed over MuJoCo too.
+//!
+//! Hinges and slides are driven by native antagonists (controls k_L, k_H, k_d), balls by the law of
+//! [`controllers::drive`] written again in the control callback; damping is MuJoCo's own (implicit where the
+//! integrator is). Drives are held over a control step, their torques are not: they follow the state in
+//! every substep and stage. A pinned root is driven with the accelerations of its path.
+
+use std::cell::RefCell;
+use std::rc::Rc;
+
+use controllers::antagonist::SetPoints;
+use controllers::{Drive, Rest};
+use dynamics::mjcf::{self, MjcfGround, MjcfOptions};
+use dynamics::{Character, ContactSample, Model, State, Wrench};
+use motion::rotation::log;
+use motion::skeleton::{quat_at, vec_at};
+use motion::{Joint, Limits, Vec3};
+use serde_json::json;
+use sim::{Engine, WorldError, WorldSettings};
+
+use crate::bridge::{Bridge, BridgeError, Source};
+use crate::layout::Layout;
+
+/// How MuJoCo integrates and how its contacts yield.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Integration {
+    /// `rk4`, `implicitfast` or `euler`.
+    pub integrator: &'static str,
+    /// MuJoCo's steps per control step.
+    pub substeps: usize,
+    /// `solref` of all geoms: time constant (s) and damping ratio, or minus stiffness (1/s²) and minus damping
+    /// (1/s) per apparent mass; MuJoCo's default if `None`.
+    pub solref: Option<[f64; 2]>,
+    /// `solimp` of all geoms; MuJoCo's default if `None`.
+    pub solimp: Option<[f64; 5]>,
+}
+
+impl Integration {
+    /// Fourth order, for motion without contacts.
+    pub fn reference(substeps: usize) -> Self {
+        Self { integrator: "rk4", substeps, solref: None, solimp: None }
+    }
+}
+
+/// A body in MuJoCo.
+pub struct MujocoWorld {
+    bridge: Rc<RefCell<Bridge>>,
+    layout: Layout,
+    model: Model,
+    settings: WorldSettings,
+    hinges: Vec<usize>,
+    balls: Vec<usize>,
+    set_points: Vec<SetPoints>,
+    /// Index of each link's body there.
+    body_there: Vec<f64>,
+    /// Link of each body there; the world's is meaningless.
+    link_of: Vec<usize>,
+    stops: Vec<f64>,
+    request: Vec<f64>,
+    root: [f64; 6],
+    wrenches: Vec<f64>,
+    touching: Vec<f64>,
+    q: Vec<f64>,
+    v: Vec<f64>,
+    q_there: Vec<f64>,
+    steps: usize,
+}
+
+impl MujocoWorld {
+    /// Builds the body at the pose `q` with the velocity `v`.
+    ///
+    /// # Errors
+    /// [`WorldError::Engine`]: no MJCF for the character, or MuJoCo's refusal.
+    pub fn new(
+        bridge: Rc<RefCell<Bridge>>,
+        integration: &Integration,
+        character: &Character,
+        settings: WorldSettings,
+        q: &[f64],
+        v: &[f64],
+    ) -> Result<Self, WorldError> {
+        let model = Model::new(character, settings.gravity);
+        let links = character.skeleton.links();
+        let driven =
+            |i: usize| model.bodies[i].parent.is_some() || !matches!(model.bodies[i].joint, Joint::Free);
+        let of_kind = |f: fn(&Joint) -> bool| -> Vec<usize> {
+            (0..model.bodies.len()).filter(|&i| driven(i) && f(&model.bodies[i].joint)).collect()
+        };
+        let hinges = of_kind(|j| matches!(j, Joint::Revolute(_) | Joint::Prismatic(_)));
+        let balls = of_kind(|j| matches!(j, Joint::Spherical));
+        let set_points: Vec<SetPoints> =
+            model.bodies.iter().map(|b| SetPoints::of(&b.joint, links[b.link].limits.as_ref())).collect();
+        let antagonists = hinges
+            .iter()
+            .filter_map(|&i| match set_points[i] {
+                SetPoints::Axis(set) => Some((model.bodies[i].link, [set.lo, set.hi])),
+                _ => None,
+            })
+            .collect();
+        let ground = settings.ground.map(|g| MjcfGround { height_m: g.height_m, friction: g.friction });
+        let options = MjcfOptions { gravity: settings.gravity, ground, antagonists };
+        let file = mjcf::write(character, &options).map_err(|e| WorldError::Engine(e.to_string()))?;
+        // our stops stand in for its limits
+        let info = bridge.borrow_mut().load(&Source::Text(&file.text), &["limit"], true).map_err(engine)?;
+        let layout = Layout::new(&character.skeleton, &file.joints, &info, false)
+            .map_err(|e| WorldError::Engine(e.to_string()))?;
+        let name = |link: usize| links[link].name.as_str();
+        let there = |link: usize| info.bodies.iter().position(|b| b.name == name(link));
+        let mut world = Self {
+            body_there: (0..links.len()).map(|l| there(l).map_or(-1.0, |b| b as f64)).collect(),
+            link_of: info.bodies.iter().map(|b| character.skeleton.link(&b.name).unwrap_or(0)).collect(),
+            stops: vec![0.0; model.bodies.len()],
+            request: Vec::new(),
+            root: [0.0; 6],
+            wrenches: Vec::new(),
+            touching: Vec::new(),
+            q: q.to_vec(),
+            v: v.to_vec(),
+            q_there: vec![0.0; info.nq],
+            steps: 0,
+            bridge,
+            layout,
+            model,
+            settings,
+            hinges,
+            balls,
+            set_points,
+        };
+        world.begin(integration)?;
+        Ok(world)
+    }
+
+    fn begin(&mut self, integration: &Integration) -> Result<(), WorldError> {
+        let links = self.model.skeleton.links();
+        let link = |i: &usize| &links[self.model.bodies[*i].link];
+        let hinge = |i: &usize| match &link(i).limits {
+            Some(Limits::Axis(r)) => json!({"joint": link(i).name, "range": [r.lo, r.hi]}),
+            _ => json!({"joint": link(i).name}),
+        };
+        let ball = |i: &usize| match &link(i).limits {
+            Some(Limits::Ball(b)) => json!({
+                "joint": link(i).name,
+                "axes": b.axes.iter().flat_map(|a| [a.x, a.y, a.z]).collect::<Vec<_>>(),
+                "ranges": b.ranges.iter().flat_map(|r| [r.lo, r.hi]).collect::<Vec<_>>(),
+            }),
+            _ => json!({"joint": link(i).name}),
+        };
+        let request = json!({
+            "op": "simulate",
+            "integrator": integration.integrator,
+            "substeps": integration.substeps,
+            "timestep_s": 1.0 / (self.settings.rate_hz * integration.substeps as f64),
+            "solref": integration.solref,
+            "solimp": integration.solimp,
+            "pinned": self.pinned(),
+            "hinges": self.hinges.iter().map(hinge).collect::<Vec<_>>(),
+            "balls": self.balls.iter().map(ball).collect::<Vec<_>>(),
+        });
+        let mut start = vec![0.0; self.layout.nq + self.layout.nv];
+        let (q, v) = start.split_at_mut(self.layout.nq);
+        self.layout.pose(&self.q, q);
+        self.layout.tangent(&self.q, &self.v, v);
+        self.bridge.borrow_mut().call(&request, &start).map_err(engine)?;
+        Ok(())
+    }
+
+    fn pinned(&self) -> bool {
+        self.settings.pinned && matches!(self.model.bodies[0].joint, Joint::Free)
+    }
+}
+
+fn engine(e: BridgeError) -> WorldError {
+    WorldError::Engine(e.to_string())
+}
+
+impl Engine for MujocoWorld {
+    fn model(&self) -> &Model {
+        &self.model
+    }
+
+    fn q(&self) -> &[f64] {
+        &self.q
+    }
+
+    fn v(&self) -> &[f64] {
+        &self.v
+    }
+
+    fn set_stops(&mut self, stiffness: &[f64]) {
+        self.stops = stiffness.to_vec();
+        let numbers: Vec<f64> = self.hinges.iter().chain(&self.balls).map(|&i| stiffness[i]).collect();
+        // a bridge that is gone says so at the next step
+        let _ = self.bridge.borrow_mut().call(&json!({"op": "stops"}), &numbers);
+    }
+
+    fn stops(&self) -> &[f64] {
+        &self.stops
+    }
+
+    fn set_drives(&mut self, drives: &[Drive]) {
+        self.request.clear();
+        for &i in &self.hinges {
+            let d = &drives[i];
+            // the pair's gains, which are those of its rest as long as that lies between the set points
+            let (lo, hi) = self.set_points[i].gains(d.stiffness, &d.rest)[0];
+            self.request.extend([lo, hi, d.damping]);
+        }
+        for &i in &self.balls {
+            let d = &drives[i];
+            self.request.extend([d.stiffness, d.damping]);
+            match d.rest {
+                Rest::Ball { target: r, shift: s } => {
+                    self.request.extend([r.w, r.i, r.j, r.k, s.x, s.y, s.z]);
+                }
+                _ => self.request.extend([1.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0]),
+            }
+        }
+    }
+
+    /// The constant acceleration that reaches `q_next` from the present pose and velocity would ring from
+    /// step to step; the one that brings the mean velocity of two steps does not, and its path meets the
+    /// poses to second order.
+    fn move_root(&mut self, _: &State, q_next: &[f64]) {
+        if !self.pinned() {
+            return;
+        }
+        let b = &self.model.bodies[0];
+        let rate = self.settings.rate_hz;
+        let turn = log(&(quat_at(q_next, b.q_at + 3) * quat_at(&self.q, b.q_at + 3).inverse()));
+        let linear = (vec_at(q_next, b.q_at) - vec_at(&self.q, b.q_at)) * rate - vec_at(&self.v, b.v_at);
+        let angular = turn * rate - vec_at(&self.v, b.v_at + 3);
+        for k in 0..3 {
+            self.root[k] = linear[k] * rate;
+            self.root[3 + k] = angular[k] * rate;
+        }
+    }
+
+    fn add_wrench(&mut self, w: &Wrench) {
+        self.wrenches.push(self.body_there[w.link]);
+        for x in [w.point, w.force, w.moment] {
+            self.wrenches.extend_from_slice(x.as_slice());
+        }
+    }
+
+    fn step(&mut self) -> Result<(), WorldError> {
+        self.request.extend(self.root);
+        self.request.append(&mut self.wrenches);
+        let (head, answer) =
+            self.bridge.borrow_mut().call(&json!({"op": "step"}), &self.request).map_err(engine)?;
+        self.steps += 1;
+        let (nq, nv) = (self.layout.nq, self.layout.nv);
+        if answer.len() < nq + nv || !(answer.len() - nq - nv).is_multiple_of(8) {
+            return Err(engine(BridgeError::Length { found: answer.len(), wanted: nq + nv }));
+        }
+        if head["bad"].as_bool() != Some(false) {
+            return Err(WorldError::Diverged {
+                step: self.steps,
+                time_s: self.steps as f64 / self.settings.rate_hz,
+                body: self.model.skeleton.links()[0].name.clone(),
+            });
+        }
+        self.q_there.copy_from_slice(&answer[..nq]);
+        self.layout.pose_back(&answer[..nq], &mut self.q);
+        self.layout.tangent_back(&self.q, &answer[nq..nq + nv], &mut self.v);
+        self.touching.clear();
+        self.touching.extend_from_slice(&answer[nq + nv..]);
+        Ok(())
+    }
+
+    fn contacts(&self, row: usize, out: &mut Vec<ContactSample>) {
+        out.extend(self.touching.chunks_exact(8).map(|c| ContactSample {
+            row,
+            link: self.link_of[c[0] as usize],
+            point: Vec3::new(c[1], c[2], c[3]),
+            force: Vec3::new(c[4], c[5], c[6]),
+            depth: c[7],
+        }));
+    }
+}
