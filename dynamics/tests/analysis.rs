@@ -232,6 +232,48 @@ fn the_noise_floor_is_what_noise_does() {
     assert!((8.0..12.0).contains(&ratio), "{ratio}");
 }
 
+/// Noise of two joints that compensate each other: the floor of what lies below them knows that they do.
+#[test]
+fn the_noise_floor_knows_what_cancels() {
+    let (c, _) = human();
+    let options = AnalysisOptions {
+        smoothing: Smoothing::CutoffHz(8.0),
+        ground: Ground::None,
+        soft_tissue: 0.0,
+        ..AnalysisOptions::default()
+    };
+    let s = &c.skeleton;
+    // a ball that hangs on a ball
+    let ball = |i: usize| s.links()[i].joint == Joint::Spherical;
+    let upper = (1..s.links().len()).find(|&i| ball(i) && s.links()[i].parent.is_some_and(ball)).unwrap();
+    let lower = s.links()[upper].parent.unwrap();
+    let shaken = |sign: f64| {
+        let mut random = Random(21);
+        let mut clip = swaying(&c, 360, 0.0, still, || 0.0);
+        for k in 0..360 {
+            let turn = Vec3::x() * (1e-3 * random.normal());
+            for (link, turn) in [(lower, turn), (upper, turn * sign)] {
+                let r = exp(&turn) * s.rotation(clip.pose(k), link);
+                s.set_rotation(clip.pose_mut(k), link, &r);
+            }
+        }
+        clip
+    };
+    let clean = analyze(&c, &swaying(&c, 360, 0.0, still, || 0.0), &options).unwrap();
+    let nv = s.nv();
+    let mut floors = Vec::new();
+    for sign in [-1.0, 1.0] {
+        let a = analyze(&c, &shaken(sign), &options).unwrap();
+        let i = s.v_at(lower);
+        let error = (30..330).map(|k| (a.tau[k * nv + i] - clean.tau[k * nv + i]).powi(2)).sum::<f64>();
+        let ratio = a.noise.tau[i] / (error / 300.0).sqrt();
+        assert!((0.6..1.6).contains(&ratio), "sign {sign}: {ratio}");
+        floors.push(a.noise.tau[i]);
+    }
+    // two standard deviations alone would give the same floor both times
+    assert!(floors[1] > 1.5 * floors[0], "{floors:?}");
+}
+
 /// The same clip twice: the same numbers to the bit.
 #[test]
 fn analysis_is_deterministic() {

@@ -16,9 +16,9 @@
 //! rigid soles on an elastic floor of stiffness α under each corner. Between two equal feet this splits the
 //! force by distance. Every foot's own centre of pressure lies inside its sole.
 //!
-//! *Moment about the vertical.* At most `ρ √((μ f_n)² − f_t²)`, ρ = Σ w |x − c| [HC96]; shared like the force.
+//! *Moment about the vertical.* At most `ρ √((μ f_n)² − f_t²)`, ρ = Σ w |x − c| \[HC96\]; shared like the force.
 //!
-//! [HC96] Howe, Cutkosky. Practical force-motion models for sliding manipulation, IJRR 1996 (elliptic limit
+//! \[HC96\] Howe, Cutkosky. Practical force-motion models for sliding manipulation, IJRR 1996 (elliptic limit
 //! surface).
 
 use motion::support::ground as plane;

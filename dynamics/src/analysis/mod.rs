@@ -1,7 +1,7 @@
 //! Inverse dynamics of a clip: the forces it needs, what the ground can give of them, and the rest.
 //!
 //! In: a [`Character`], a [`Clip`], [`AnalysisOptions`]. Out: an [`Analysis`], one row per frame. No
-//! engine and no optimisation: the motion is taken as it is, after the smoother of [`motion::smooth`].
+//! engine and no optimisation: the motion is taken as it is, after the smoother of [`mod@motion::smooth`].
 //!
 //! Per frame, all in world axes:
 //!
@@ -264,7 +264,9 @@ pub fn analyze(
     let mut state = State::new(&model);
     let jumps = jumps(&clip);
     let strength = strength(&model, &mut state, &clip, options);
-    let Smoothed { clip, derivatives, report } = smooth_at(&clip, strength);
+    let smoothed = smooth_at(&clip, strength);
+    let noise = NoiseFloor::of(&model, &mut state, &smoothed);
+    let Smoothed { clip, derivatives, report, .. } = smoothed;
     let soles = Soles::of(character, &model);
     let (v, vd) = (derivatives.v, derivatives.vd);
     let floor = Floor::new(&model, &mut state, &soles, &clip, &v, options);
@@ -293,7 +295,7 @@ pub fn analyze(
         flight: Vec::with_capacity(frames),
         friction_violations: Violations::default(),
         support_violations: Violations::default(),
-        noise: NoiseFloor::default(),
+        noise,
         graded: Residual::default(),
         clip,
         v,
@@ -336,7 +338,6 @@ pub fn analyze(
         a.friction_violations.note(k, given.cone, 1.0);
         a.support_violations.note(k, given.outside, ground::COP_SLACK);
     }
-    a.noise = NoiseFloor::of(&model, &mut state, &a.clip, &a.smoothing);
     a.graded = Residual::of(&a.residual);
     Ok(a)
 }

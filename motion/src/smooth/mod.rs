@@ -69,11 +69,18 @@ pub struct Smoothed {
     pub derivatives: Derivatives,
     /// Strength and noise.
     pub report: SmoothReport,
+    /// Accelerations that are noise only, as large as what is left of it, `(frames − 3) × nv`: the upper end
+    /// of what was taken away, scaled. Unlike the report's standard deviations it keeps what the degrees
+    /// of freedom have to do with each other. Empty where nothing was smoothed.
+    pub noise_sample: Vec<f64>,
 }
 
 /// Smooths a clip. See the module header.
 ///
 /// [`Smoothing::Auto`] chooses on the paths of all degrees of freedom, a radian counting as 0.25 m.
+///
+/// # Panics
+/// If a stated cut-off is NaN.
 pub fn smooth(clip: &Clip, smoothing: Smoothing) -> Smoothed {
     let strength = match smoothing {
         Smoothing::Off => Strength::at(f64::INFINITY),
@@ -92,21 +99,34 @@ pub fn smooth(clip: &Clip, smoothing: Smoothing) -> Smoothed {
 
 /// Smooths a clip with a given strength.
 ///
-/// Nothing is smoothed at an infinite cut-off or one at or above half the rate.
+/// Nothing is smoothed at an infinite cut-off or one at or above half the rate. The lowest there is is the
+/// rate / 600 (λ ≈ 1e12: below, rounding would decide); lower ones are raised to it, and the report says so.
+///
+/// # Panics
+/// If the cut-off is NaN.
 pub fn smooth_at(clip: &Clip, strength: Strength) -> Smoothed {
     let (frames, nv) = (clip.frames(), clip.skeleton.nv());
-    let hz = strength.cutoff_hz;
+    assert!(!strength.cutoff_hz.is_nan(), "the cut-off is NaN");
+    let hz = strength.cutoff_hz.max(clip.rate_hz / 600.0);
+    let strength = Strength { cutoff_hz: hz, ..strength };
     let mut out = clip.clone();
     let (mut noise, mut acceleration_noise) = (vec![0.0; nv], vec![0.0; nv]);
+    let mut noise_sample = Vec::new();
     let smoothed = hz < 0.5 * clip.rate_hz && frames > 3;
     if smoothed {
         let lambda = lambda(hz, clip.rate_hz);
         out = smoothed_path(clip, lambda, STEPS);
         let rate = clip.rate_hz;
         let left = variance(&strength, rate, |hz| response(lambda, hz, rate) * curvature(hz / rate));
-        for (i, power) in noise_power(clip, &out, &strength, lambda).iter().enumerate() {
-            noise[i] = power.sqrt();
-            acceleration_noise[i] = noise[i] * left.sqrt() * rate * rate;
+        noise_sample = upper_noise(clip, &out, &strength, lambda);
+        for row in noise_sample.chunks_exact(nv.max(1)) {
+            noise.iter_mut().zip(row).for_each(|(s, x)| *s += x * x / (frames - 3) as f64);
+        }
+        let to_acceleration = left.sqrt() * rate * rate;
+        noise_sample.iter_mut().for_each(|x| *x *= to_acceleration);
+        for (size, acceleration) in noise.iter_mut().zip(&mut acceleration_noise) {
+            *size = size.sqrt();
+            *acceleration = *size * to_acceleration;
         }
     }
     let derivatives = Derivatives::central(&out);
@@ -115,6 +135,7 @@ pub fn smooth_at(clip: &Clip, strength: Strength) -> Smoothed {
         clip: out,
         derivatives,
         report: SmoothReport { cutoff_hz, strength, noise, acceleration_noise },
+        noise_sample,
     }
 }
 
@@ -179,26 +200,22 @@ fn levers(skeleton: &Skeleton) -> Vec<f64> {
     skeleton.links().iter().flat_map(|l| of(&l.joint)).collect()
 }
 
-/// Variance of the noise per degree of freedom, from what was taken away.
+/// A sample of the noise, `(frames − 3) × nv`, as large as the noise of the poses.
 ///
-/// Third differences first: they weigh the upper end of the band, where what was taken away is noise only;
-/// `shape` carries it down to the rest of the band.
-fn noise_power(before: &Clip, after: &Clip, strength: &Strength, lambda: f64) -> Vec<f64> {
+/// Third differences of what was taken away: they weigh the upper end of the band, where what was taken away
+/// is noise only; the colour carries its size down to the rest of the band.
+fn upper_noise(before: &Clip, after: &Clip, strength: &Strength, lambda: f64) -> Vec<f64> {
     let (frames, nv, rate) = (before.frames(), before.skeleton.nv(), before.rate_hz);
     let mut taken = vec![0.0; frames * nv];
     for (k, row) in taken.chunks_exact_mut(nv.max(1)).enumerate() {
         before.skeleton.difference(after.pose(k), before.pose(k), 1.0, row);
     }
-    let third = third_differences(&taken, nv);
+    let mut sample = third_differences(&taken, nv);
     let gain = variance(strength, rate, |hz| {
         (1.0 - response(lambda, hz, rate)) * (2.0 * (std::f64::consts::PI * hz / rate).sin()).powi(3)
     });
-    let mut sum = vec![0.0; nv];
-    for row in third.chunks_exact(nv.max(1)) {
-        sum.iter_mut().zip(row).for_each(|(s, x)| *s += x * x);
-    }
-    let scale = 1.0 / ((frames - 3) as f64 * gain);
-    sum.iter().map(|s| s * scale).collect()
+    sample.iter_mut().for_each(|x| *x /= gain.sqrt());
+    sample
 }
 
 /// Variance that a filter with the given response leaves of noise of unit variance.

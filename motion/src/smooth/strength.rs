@@ -4,7 +4,7 @@
 //! are read from the paths' own spectrum P(f).
 //!
 //! 1. *Spectrum.* Third differences first (they whiten motion, whose spectrum falls by many orders, so that
-//!    nothing leaks into the quiet end), then three sine tapers [RS95]; divided by |2 sin(π f/rate)|⁶ again.
+//!    nothing leaks into the quiet end), then three sine tapers \[RS95\]; divided by |2 sin(π f/rate)|⁶ again.
 //! 2. *Noise* N(f): a first-order autoregressive spectrum `σ²/|1 − ρ e^{−iω}|²` (ρ = 0 is white; marker noise
 //!    after a solver is not), fitted to the upper end of the band by Whittle's likelihood. The fit reaches as
 //!    far down as it describes the spectrum: its cumulated ratio P/N stays near a straight line
@@ -16,7 +16,7 @@
 //! Noise that moves with the body (soft tissue over bone) looks like motion to any spectrum: for it a least
 //! density of noise can be given, which counts only where there is measured noise at all.
 //!
-//! [RS95] Riedel, Sidorenko. Minimum bias multiple taper spectral estimation, IEEE Trans. Signal Proc. 43.
+//! \[RS95\] Riedel, Sidorenko. Minimum bias multiple taper spectral estimation, IEEE Trans. Signal Proc. 43.
 
 use std::f64::consts::PI;
 

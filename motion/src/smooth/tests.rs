@@ -223,7 +223,7 @@ fn noiseless_motion_is_left_alone() {
     }
 }
 
-/// Short clips are differentiated, not smoothed, and nothing breaks.
+/// Short clips are differentiated, not smoothed; no cut-off breaks anything.
 #[test]
 fn short_clips_are_not_smoothed() {
     for frames in 1..20 {
@@ -232,8 +232,11 @@ fn short_clips_are_not_smoothed() {
         if frames < strength::LEAST_FRAMES {
             assert!(out.report.cutoff_hz.is_infinite());
         }
-        let strong = smooth(&clip(60.0, frames, || 0.0), Smoothing::CutoffHz(1.0));
-        assert!(strong.clip.data().iter().all(|x| x.is_finite()));
+        for hz in [-1.0, 0.0, 1e-9, 1.0, 29.9, 30.0, f64::INFINITY] {
+            let out = smooth(&clip(60.0, frames, || 0.0), Smoothing::CutoffHz(hz));
+            assert!(out.clip.data().iter().chain(&out.noise_sample).all(|x| x.is_finite()), "{frames} {hz}");
+            assert!(out.report.cutoff_hz >= 0.1);
+        }
     }
 }
 
@@ -255,4 +258,18 @@ fn ends_settle_within_a_period() {
     let worst = (1..period).map(|k| spread(k) / middle).fold(0.0, f64::max);
     assert!(worst < 3.0, "{worst}"); // 2.4 seen, in the first frame
     assert!((period..100).all(|k| (spread(k) / middle - 1.0).abs() < 0.02)); // 0.009 seen
+}
+
+/// The strongest smoothing there is leaves a parabola, and to many digits the one of least squares.
+#[test]
+fn the_strongest_smoothing_is_a_parabola() {
+    let (frames, rate) = (60, 60.0);
+    let mut random = Random(1);
+    let y: Vec<f64> = (0..frames).map(|k| 0.01 * f64::from(k * k) + random.normal()).collect();
+    let z = Whittaker::new(60, lambda(rate / 600.0, rate)).smooth(&y, 1);
+    let basis = nalgebra::DMatrix::from_fn(60, 3, |k, i| (k as f64 / 60.0 - 0.5).powi(i as i32));
+    let y = nalgebra::DVector::from_vec(y);
+    let fit = &basis * (basis.transpose() * &basis).try_inverse().unwrap() * basis.transpose() * y;
+    let error = (0..60).map(|k| (z[k] - fit[k]).abs()).fold(0.0, f64::max);
+    assert!(error < 2e-3, "{error}"); // 3e-4 seen
 }
