@@ -66,7 +66,7 @@ impl<'a> Drawing<'a> {
             Ok(a) => {
                 add(
                     WitnessKind::Required,
-                    "required: inverse dynamics of the motion".into(),
+                    format!("required: inverse dynamics of the motion{}", smoothing(a)),
                     GroundForces::required(a),
                 );
                 match self.study.penalty(a, 1e-3 * dynamics.sink_mm).map_err(Failure::input)? {
@@ -283,6 +283,6 @@ impl<'a> Drawing<'a> {
 fn smoothing(a: &Analysis) -> String {
     match a.smoothing.cutoff_hz {
         hz if hz.is_finite() => format!(", smoothed at {hz:.1} Hz"),
-        _ => ", not smoothed".into(),
+        _ => String::new(),
     }
 }
