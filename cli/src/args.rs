@@ -24,6 +24,7 @@ Examples:
   contrapposto inspect scenes/bow.ron         what is in a scene, and what its edits did
   contrapposto analyze walk.bvh               is this motion physically plausible, and where not
   contrapposto plot out/bow --what contact    ground forces required, given, measured
+  contrapposto crosscheck scenes/bow.ron      every force, ours and MuJoCo's
   contrapposto convert walk.bvh walk.glb      change the format only
 
 Exit codes: 0 done (also when the body fell), 1 the run failed, 2 something is wrong with the input.";
@@ -39,7 +40,9 @@ pub enum Command {
     Plot(PlotArgs),
     /// Say what forces a clip needs, and whether it is physically plausible
     Analyze(AnalyzeArgs),
-    /// Write a clip, or the kinematic motion of a scene, in another format
+    /// Compare every number about force with MuJoCo
+    Crosscheck(CrosscheckArgs),
+    /// Write a clip, the kinematic motion of a scene, or a body in another format
     Convert(ConvertArgs),
 }
 
@@ -185,6 +188,63 @@ Examples:
   contrapposto inspect walk.bvh --write-body body.ron
   contrapposto inspect scenes/bow.ron --json";
 
+/// Arguments of `crosscheck`.
+#[derive(Debug, Args)]
+#[command(after_help = CROSSCHECK_EXAMPLES)]
+pub struct CrosscheckArgs {
+    /// Scene or character (.ron), clip (.bvh), or physics model (MJCF .xml, .urdf)
+    #[arg(value_name = "SCENE|MODEL")]
+    pub input: PathBuf,
+    /// Folder to write into; earlier output there is replaced when all is complete
+    /// [default: out/NAME-crosscheck]
+    #[arg(long, value_name = "DIR")]
+    pub out: Option<PathBuf>,
+    /// Print the table as JSON, and nothing else, on standard output
+    #[arg(long)]
+    pub json: bool,
+    /// Random states compared
+    #[arg(long, value_name = "N", default_value_t = 1000, value_parser = states)]
+    pub states: usize,
+    /// Seed of the random states
+    #[arg(long, value_name = "N", default_value_t = 1)]
+    pub seed: u64,
+    /// Random states only: neither motion nor contact
+    #[arg(long)]
+    pub states_only: bool,
+    /// List what a model file has and rigid-body dynamics has not (tendons, sensors, actuators, damping) instead
+    /// of refusing the file
+    #[arg(long)]
+    pub dynamics_only: bool,
+    /// Give MuJoCo this file instead: a second version of the same body
+    #[arg(long, value_name = "FILE")]
+    pub against: Option<PathBuf>,
+    /// Put a fault into our side, to see it found: mass:LINK*FACTOR, com:LINK+X,Y,Z (m), axis:LINK=X,Y,Z;
+    /// may be given several times
+    #[arg(long, value_name = "FAULT")]
+    pub inject: Vec<crosscheck::Injection>,
+}
+
+const CROSSCHECK_EXAMPLES: &str = "\
+Examples:
+  contrapposto crosscheck scenes/bow.ron
+  contrapposto crosscheck scenes/reach.ron --states-only --states 5000 --seed 7
+  contrapposto crosscheck humanoid.xml --dynamics-only
+  contrapposto crosscheck humanoid.xml --dynamics-only --against heavier.xml
+  contrapposto crosscheck scenes/characters/human.ron --inject 'mass:chest*1.01'
+
+MuJoCo runs in a Python environment of its own, made on the first run in the user's cache folder (Python 3.10 or
+newer with venv and pip, and the network, are needed once) and reused after. CONTRAPPOSTO_PYTHON names another
+Python, CONTRAPPOSTO_CACHE another folder.
+
+Files written into DIR:
+  crosscheck.html   the table with overlay plots
+  crosscheck.json   the table for machines, see docs/CROSSCHECK.md
+  crosscheck.txt    the table as text
+  trace.npz, mujoco/trace.npz   a standing scene in both engines: contrapposto plot DIR --what contact
+  plots/            the figures, each as .svg and .png
+
+Exit codes: 0 all checks pass, 1 a check fails or an engine does, 2 something is wrong with the input.";
+
 /// Arguments of `convert`.
 #[derive(Debug, Args)]
 #[command(after_help = CONVERT_EXAMPLES)]
@@ -192,7 +252,7 @@ pub struct ConvertArgs {
     /// Clip (.bvh) or scene (.ron)
     #[arg(value_name = "IN")]
     pub input: PathBuf,
-    /// File to write: .bvh or .glb
+    /// File to write: .bvh, .glb, or .xml for the body as MJCF
     #[arg(value_name = "OUT")]
     pub output: PathBuf,
     /// Frames per second to resample to [default: the input's]
@@ -211,7 +271,11 @@ Examples:
   contrapposto convert walk.bvh walk.glb
   contrapposto convert walk.bvh walk-30.bvh --rate 30 --out-units 0.01
   contrapposto convert z-up.bvh y-up.bvh --up z --drop-t-pose
-  contrapposto convert scenes/bow.ron bow.glb";
+  contrapposto convert scenes/bow.ron bow.glb
+  contrapposto convert scenes/characters/human.ron human.xml
+
+A body written as MJCF (.xml) is Y up, in metres and radians, with the ground as a plane and two springs and a
+damper per hinge as actuators (controls k_lo, k_hi, k_d); a clip's body is the one guessed for it.";
 
 /// A figure of `plot`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, ValueEnum)]
@@ -438,6 +502,12 @@ fn rate(text: &str) -> Result<f64, String> {
 
 fn frame_rate(text: &str) -> Result<f64, String> {
     number(text, 1.0, 1e3, " Hz")
+}
+
+fn states(text: &str) -> Result<usize, String> {
+    let allowed = 1..=100_000;
+    let n = text.parse().ok().filter(|n| allowed.contains(n));
+    n.ok_or_else(|| format!("allowed: a whole number from {} to {}", allowed.start(), allowed.end()))
 }
 
 fn substeps(text: &str) -> Result<usize, String> {

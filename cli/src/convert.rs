@@ -1,4 +1,4 @@
-//! `convert`: a clip, or the kinematic motion of a scene, to another format.
+//! `convert`: a clip, the kinematic motion of a scene, or a body to another format.
 
 use std::path::Path;
 
@@ -16,9 +16,13 @@ use crate::output;
 /// Bad input, a file that cannot be written.
 pub fn run(args: &ConvertArgs) -> Result<(), Failure> {
     let kind = extension(&args.output);
-    if !matches!(kind.as_str(), "bvh" | "glb") {
-        let path = args.output.display();
-        return Err(Failure::Input(format!("{path}: cannot write this; allowed: .bvh, .glb")));
+    match kind.as_str() {
+        "bvh" | "glb" => {}
+        "xml" => return body(args),
+        _ => {
+            let path = args.output.display();
+            return Err(Failure::Input(format!("{path}: cannot write this; allowed: .bvh, .glb, .xml")));
+        }
     }
     if args.out_units.is_some() && kind == "glb" {
         return Err(Failure::Input("--out-units is for .bvh; a .glb is in metres by definition".into()));
@@ -56,6 +60,22 @@ pub fn run(args: &ConvertArgs) -> Result<(), Failure> {
     };
     said += &format!("wrote {}: {}, {written}, Y up\n", args.output.display(), describe(&clip));
     output::print(&said)
+}
+
+/// The body of a file as MJCF.
+fn body(args: &ConvertArgs) -> Result<(), Failure> {
+    for (option, given) in [("--rate", args.rate.is_some()), ("--out-units", args.out_units.is_some())] {
+        if given {
+            return Err(Failure::Input(format!("{option} is for motion; an .xml holds a body")));
+        }
+    }
+    let made = scenes::export::mjcf(&args.input, &args.clip.import()).map_err(Failure::input)?;
+    motion::format::write(&args.output, made.text.as_bytes()).map_err(Failure::run)?;
+    let (from, to) = (args.input.display(), args.output.display());
+    output::print(&format!(
+        "read {from}: {} links, {:.2} kg\nwrote {to}: MJCF, {} joints, {} antagonists, metres, radians, Y up\n",
+        made.links, made.mass_kg, made.joints, made.antagonists
+    ))
 }
 
 fn extension(path: &Path) -> String {

@@ -14,6 +14,7 @@
 //! | [`analyze`] | a clip to the forces it needs |
 //! | [`analysis_text`] | what `analyze` says at the end |
 //! | [`drawing`] | the figures of `plot` and `analyze` |
+//! | [`mod@crosscheck`] | forces against MuJoCo |
 //! | [`convert`] | one format to another |
 //! | [`output`] | all files or none |
 //! | [`progress`] | the bar |
@@ -23,6 +24,7 @@ mod analysis_text;
 mod analyze;
 mod args;
 mod convert;
+mod crosscheck;
 mod drawing;
 mod failure;
 mod figures;
@@ -45,6 +47,7 @@ fn main() -> ExitCode {
         Command::Inspect(args) => inspect::run(&args),
         Command::Plot(args) => plot::run(&args),
         Command::Analyze(args) => analyze::run(&args),
+        Command::Crosscheck(args) => crosscheck::run(&args),
         Command::Convert(args) => convert::run(&args),
     };
     match done {

@@ -14,7 +14,7 @@
 //! \[NF02\] Neff, Fiume. Modeling tension and relaxation for computer animation, SCA 2002.
 
 use motion::rotation::{exp, exp_rate};
-use motion::{BallLimits, Joint, Limits, Quat, Range, Vec3};
+use motion::{BallLimits, Joint, Limits, Link, Quat, Range, Skeleton, Vec3};
 use nalgebra::Matrix3;
 use thiserror::Error;
 
@@ -207,6 +207,16 @@ impl SetPoints {
             _ => [(0.0, 0.0); 3],
         }
     }
+}
+
+/// Set points (θ_L, θ_H) of every hinge (rad) and slide (m) of a skeleton, per link.
+pub fn axis_set_points(skeleton: &Skeleton) -> Vec<(usize, [f64; 2])> {
+    let links = skeleton.links().iter().enumerate();
+    let axis = |(i, l): (usize, &Link)| match SetPoints::of(&l.joint, l.limits.as_ref()) {
+        SetPoints::Axis(set) => Some((i, [set.lo, set.hi])),
+        _ => None,
+    };
+    links.filter_map(axis).collect()
 }
 
 /// Anatomical coordinates φ of a ball and the matrix A of ω = A φ̇, zero frame.

@@ -94,7 +94,7 @@ impl Layout {
                 v: skeleton.v_at(link),
                 their_q: there.q,
                 their_v: there.v,
-                zero: if file_axes { Transform::identity() } else { l.parent_from_zero },
+                zero: if file_axes { Transform::identity() } else { world_from_zero(skeleton, link) },
             });
         }
         Ok(Self { entries, nq: info.nq, nv: info.nv, ours: (skeleton.nq(), skeleton.nv()) })
@@ -181,6 +181,18 @@ impl Layout {
     pub fn ours(&self) -> (usize, usize) {
         self.ours
     }
+}
+
+/// Zero frame of a joint that hangs on the world, through welds only.
+fn world_from_zero(skeleton: &Skeleton, link: usize) -> Transform {
+    let mut out = Transform::identity();
+    let mut up = Some(link);
+    while let Some(l) = up {
+        let link = &skeleton.links()[l];
+        out = link.parent_from_zero * out;
+        up = link.parent;
+    }
+    out
 }
 
 fn unit(x: &[f64], at: usize) -> Quat {

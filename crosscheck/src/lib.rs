@@ -29,4 +29,4 @@ pub mod world;
 
 pub use check::Check;
 pub use inject::Injection;
-pub use subject::{CrossCheck, CrossCheckError, Options, run};
+pub use subject::{CrossCheck, CrossCheckError, Event, Options, run};

@@ -9,7 +9,7 @@ use std::fmt::Write;
 use motion::skeleton::quat_at;
 use motion::{Clip, Joint};
 use plots::Figure;
-use plots::panel::{Key, Panel, Series, page};
+use plots::panel::{Clock, Key, Panel, Series, page};
 use plots::style;
 use serde_json::json;
 
@@ -181,14 +181,18 @@ fn escape(text: &str) -> String {
 
 const WIDTH: f64 = 1500.0;
 
+fn clock(rate_hz: f64) -> Clock {
+    Clock { rate_hz, start_s: 0.0 }
+}
+
 fn keys() -> [Key; 2] {
     [Key::line("rapier", style::BLUE), Key::dashed("MuJoCo", style::VERMILION)]
 }
 
 fn both(rate_hz: f64, ours: Vec<f64>, theirs: Vec<f64>) -> Vec<Series> {
     vec![
-        Series::over_time(rate_hz, ours, style::BLUE).wide(2.4),
-        Series::over_time(rate_hz, theirs, style::VERMILION).dashed(),
+        Series::over_time(clock(rate_hz), ours, style::BLUE).wide(2.4),
+        Series::over_time(clock(rate_hz), theirs, style::VERMILION).dashed(),
     ]
 }
 
@@ -227,7 +231,7 @@ fn motion_figure(name: &str, run: &ForwardRun) -> Figure {
             title: "the angle between the two".into(),
             x_label: "time (s)".into(),
             y_label: "angle (°)".into(),
-            series: vec![Series::over_time(rate, (0..frames).map(apart), style::INK)],
+            series: vec![Series::over_time(clock(rate), (0..frames).map(apart), style::INK)],
             ..Panel::default()
         },
     ];

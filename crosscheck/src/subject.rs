@@ -139,25 +139,34 @@ impl CrossCheck {
     }
 }
 
+/// What a cross-check says while it runs.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Event<'a> {
+    /// Something worth a line.
+    Note(&'a str),
+    /// A part of the work and the fraction of it that is done.
+    Part(&'static str, f64),
+}
+
 enum Subject {
     Model(Box<Imported>),
     Character(Character),
     Stage(Box<Stage>),
 }
 
-/// Runs a cross-check; `say` is told what is being done, with the fraction of it that is done.
+/// Runs a cross-check; `say` is told what is being done.
 ///
 /// # Errors
 /// [`CrossCheckError`]. Checks that fail are no error.
 pub fn run(
     path: &Path,
     options: &Options,
-    say: &mut dyn FnMut(&str, f64),
+    say: &mut dyn FnMut(Event<'_>),
 ) -> Result<CrossCheck, CrossCheckError> {
     let subject = open(path, options)?;
     let other = options.against.as_deref().map(|p| open(p, options).map(|s| (p, s))).transpose()?;
-    let python = environment::prepare(&mut |text| say(text, 0.0))?;
-    say("random states", 0.0);
+    let python = environment::prepare(&mut |text| say(Event::Note(text)))?;
+    say(Event::Part("random states", 0.0));
     let bridge = Rc::new(RefCell::new(Bridge::start(&python)?));
     let name = path.file_stem().map_or_else(|| "model".into(), |s| s.to_string_lossy().into_owned());
     let mut out = CrossCheck {
@@ -276,7 +285,7 @@ fn engines(
     options: &Options,
     bridge: &ground::Shared,
     out: &mut CrossCheck,
-    say: &mut dyn FnMut(&str, f64),
+    say: &mut dyn FnMut(Event<'_>),
 ) -> Result<(), CrossCheckError> {
     let faulty = !options.inject.is_empty() || options.against.is_some();
     if faulty {
@@ -285,23 +294,23 @@ fn engines(
     }
     let free = matches!(stage.character.skeleton.links()[0].joint, motion::Joint::Free);
     let pinned = if free { stage_of(path, Some(RootChoice::Pinned))? } else { stage.clone() };
-    say("motion without contact", 0.0);
-    let forward = forward::compare(bridge, &pinned, &mut |x| say("motion without contact", x))?;
+    say(Event::Part("motion without contact", 0.0));
+    let forward = forward::compare(bridge, &pinned, &mut |x| say(Event::Part("motion without contact", x)))?;
     out.checks.extend(forward.checks.clone());
     out.forward = Some(forward);
     let on_feet = stage.physics.root == RootMode::Free && free && stage.physics.ground.is_some();
     if !on_feet || stage.plants.is_empty() {
         return Ok(());
     }
-    say("boxes", 0.0);
+    say(Event::Part("boxes", 0.0));
     out.checks.extend(ground::resting_box(bridge)?);
     let landing = ground::landing(bridge)?;
     out.checks.extend(landing.checks.clone());
     out.landing = Some(landing);
-    say("standing", 0.0);
+    say(Event::Part("standing", 0.0));
     out.checks.push(ground::standing_weight(bridge, stage)?);
-    say("on its feet", 0.0);
-    let scene = ground::scene(bridge, stage, &mut |x| say("on its feet", x))?;
+    say(Event::Part("on its feet", 0.0));
+    let scene = ground::scene(bridge, stage, &mut |x| say(Event::Part("on its feet", x)))?;
     out.checks.extend(scene.checks.clone());
     out.scene = Some(scene);
     Ok(())

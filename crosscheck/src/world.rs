@@ -11,7 +11,7 @@
 use std::cell::RefCell;
 use std::rc::Rc;
 
-use controllers::antagonist::SetPoints;
+use controllers::antagonist::{SetPoints, axis_set_points};
 use controllers::{Drive, Rest};
 use dynamics::mjcf::{self, MjcfGround, MjcfOptions};
 use dynamics::{Character, ContactSample, Model, State, Wrench};
@@ -93,13 +93,7 @@ impl MujocoWorld {
         let balls = of_kind(|j| matches!(j, Joint::Spherical));
         let set_points: Vec<SetPoints> =
             model.bodies.iter().map(|b| SetPoints::of(&b.joint, links[b.link].limits.as_ref())).collect();
-        let antagonists = hinges
-            .iter()
-            .filter_map(|&i| match set_points[i] {
-                SetPoints::Axis(set) => Some((model.bodies[i].link, [set.lo, set.hi])),
-                _ => None,
-            })
-            .collect();
+        let antagonists = axis_set_points(&character.skeleton);
         let ground = settings.ground.map(|g| MjcfGround { height_m: g.height_m, friction: g.friction });
         let options = MjcfOptions { gravity: settings.gravity, ground, antagonists };
         let file = mjcf::write(character, &options).map_err(|e| WorldError::Engine(e.to_string()))?;

@@ -139,7 +139,7 @@ impl Writer<'_> {
                 ),
             );
         }
-        self.body(0, 2, true)?;
+        self.body(0, 2, &Transform::identity(), true)?;
         self.line(1, "</worldbody>");
         self.actuators();
         self.line(0, "</mujoco>");
@@ -173,16 +173,16 @@ impl Writer<'_> {
         Ok(Chain { links: chain, last_from })
     }
 
-    fn body(&mut self, first: usize, depth: usize, top: bool) -> Result<(), MjcfError> {
+    fn body(&mut self, first: usize, depth: usize, base: &Transform, top: bool) -> Result<(), MjcfError> {
         let character = self.character;
         let links = character.skeleton.links();
         let chain = self.chain(first)?;
         let last = chain.links[chain.links.len() - 1];
         // a body of the file sits where its last link is in the zero pose
-        let place = links[first].parent_from_zero * chain.last_from[0].inverse();
-        // a welded root without mass is the world itself, if it stands where the world does
+        let place = base * links[first].parent_from_zero * chain.last_from[0].inverse();
+        // a welded root without mass is the world itself; MJCF has no place to turn it, so its children are
         let world = first == 0 && links[0].joint == Joint::Fixed && character.bodies[0] == nothing();
-        let inner = if world && place == Transform::identity() {
+        let inner = if world {
             depth
         } else {
             let name = escape(&links[last].name);
@@ -202,7 +202,8 @@ impl Writer<'_> {
         };
         for i in last + 1..links.len() {
             if links[i].parent == Some(last) {
-                self.body(i, inner, top && inner == depth)?;
+                let base = if world { place } else { Transform::identity() };
+                self.body(i, inner, &base, world)?;
             }
         }
         if inner > depth {

@@ -9,6 +9,7 @@
 //! | [`scene`] | a scene file, checked |
 //! | [`schema`] | its words |
 //! | [`stage`] | a scene or a clip, ready to be performed |
+//! | [`export`] | a body as MJCF |
 //! | [`inspect`] | what is in a file |
 //! | [`overrides`] | numbers of the dynamic pass given beside the file |
 //! | [`report`] | the numbers of a run |
@@ -22,6 +23,7 @@
 pub mod angle;
 pub mod character_file;
 pub mod error;
+pub mod export;
 pub mod inspect;
 pub mod overrides;
 pub mod report;

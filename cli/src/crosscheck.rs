@@ -1,0 +1,122 @@
+//! `crosscheck`: forces, ours and MuJoCo's, as a table, a page and JSON.
+
+use std::path::{Path, PathBuf};
+
+use crosscheck::{CrossCheck, CrossCheckError, Event, Options, report};
+use motion::format;
+
+use crate::args::CrosscheckArgs;
+use crate::failure::Failure;
+use crate::output::{self, Output};
+use crate::progress::Progress;
+
+/// Files a cross-check may leave in its folder, besides figures.
+const OURS: &[&str] =
+    &["crosscheck.json", "crosscheck.html", "crosscheck.txt", "trace.npz", "mujoco/trace.npz"];
+/// Stems of its figures.
+const FIGURES: &[&str] = &["motion", "landing", "contact"];
+
+/// Runs the command.
+///
+/// # Errors
+/// Bad input, no MuJoCo, engines that fail, checks that fail.
+pub fn run(args: &CrosscheckArgs) -> Result<(), Failure> {
+    let mut progress = Progress::new();
+    let stem = args.input.file_stem().map_or_else(|| "model".into(), |s| s.to_string_lossy().into_owned());
+    let dir = args.out.clone().unwrap_or_else(|| Path::new("out").join(format!("{stem}-crosscheck")));
+    Output::check(&dir)?;
+    let options = Options {
+        seed: args.seed,
+        states: args.states,
+        dynamics_only: args.dynamics_only,
+        against: args.against.clone(),
+        inject: args.inject.clone(),
+        states_only: args.states_only,
+    };
+    let mut part = "";
+    let done = crosscheck::run(&args.input, &options, &mut |event| match event {
+        Event::Note(text) => eprintln!("{text}"),
+        Event::Part(name, _) if name != part => {
+            part = name;
+            progress.part(name);
+        }
+        Event::Part(_, fraction) => progress.at(fraction),
+    });
+    let cross = done.map_err(failure)?;
+    progress.part("writing");
+    let output = Output::replacing(&dir, ours())?;
+    write(&cross, output.dir())?;
+    output.finish()?;
+    drop(progress);
+    let json = report::json(&cross);
+    output::print(&if args.json { json } else { summary(&cross, &dir) })?;
+    match cross.failed() {
+        0 => Ok(()),
+        n => {
+            let names: Vec<String> = cross
+                .checks
+                .iter()
+                .filter(|c| !c.pass)
+                .map(|c| format!("{} ({})", c.quantity, c.at))
+                .collect();
+            let all = cross.checks.len();
+            Err(Failure::Run(format!("{n} of {all} checks fail: {}", names.join("; "))))
+        }
+    }
+}
+
+fn failure(e: CrossCheckError) -> Failure {
+    if e.is_input() { Failure::input(e) } else { Failure::run(e) }
+}
+
+fn write(cross: &CrossCheck, dir: &Path) -> Result<(), Failure> {
+    let file = |name: &str, text: &str| format::write(&dir.join(name), text.as_bytes()).map_err(Failure::run);
+    file("crosscheck.json", &report::json(cross))?;
+    file("crosscheck.txt", &report::text(cross))?;
+    file("crosscheck.html", &report::html(cross).map_err(Failure::run)?)?;
+    let made = |name: &str| {
+        let folder = dir.join(name);
+        std::fs::create_dir(&folder).map_err(|e| Failure::Run(format!("cannot write {name}: {e}")))?;
+        Ok::<PathBuf, Failure>(folder)
+    };
+    let figures = report::figures(cross);
+    if !figures.is_empty() {
+        let plots = made(output::PLOTS)?;
+        for (stem, figure) in figures {
+            figure.save(&plots, stem).map_err(Failure::run)?;
+        }
+    }
+    if let Some(scene) = &cross.scene {
+        let mujoco = made("mujoco")?;
+        for (trace, path) in [(&scene.ours, dir.join("trace.npz")), (&scene.theirs, mujoco.join("trace.npz"))]
+        {
+            trace
+                .save_npz(&path)
+                .map_err(|e| Failure::Run(format!("cannot write {}: {e}", path.display())))?;
+        }
+    }
+    Ok(())
+}
+
+fn summary(cross: &CrossCheck, dir: &Path) -> String {
+    let (failed, all) = (cross.failed(), cross.checks.len());
+    let verdict = match failed {
+        0 => format!("{}: all {all} checks against MuJoCo {} pass", cross.name, cross.mujoco),
+        n => format!("{}: {n} of {all} checks against MuJoCo {} FAIL", cross.name, cross.mujoco),
+    };
+    let table = report::text(cross);
+    let page = dir.join("crosscheck.html");
+    format!(
+        "{verdict} ({} random states, seed {})\n\n{table}\nwritten  {}\n",
+        cross.states,
+        cross.seed,
+        page.display()
+    )
+}
+
+fn ours() -> Vec<PathBuf> {
+    let figures = FIGURES
+        .iter()
+        .flat_map(|stem| ["svg", "png"].map(|kind| Path::new(output::PLOTS).join(format!("{stem}.{kind}"))));
+    OURS.iter().map(PathBuf::from).chain(figures).collect()
+}

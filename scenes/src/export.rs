@@ -1,0 +1,84 @@
+//! The body of a scene, a character or a clip as MJCF.
+//!
+//! In: a file. Out: text for MuJoCo, with the ground of the scene and an antagonist per hinge and slide.
+
+use std::path::Path;
+
+use controllers::antagonist::axis_set_points;
+use dynamics::import::{self, ImportError, ImportOptions};
+use dynamics::mjcf::{self, MjcfError, MjcfGround, MjcfOptions};
+use motion::Vec3;
+use motion::format::bvh;
+
+use crate::{StageError, character_in, open};
+
+/// Why there is no MJCF.
+#[derive(Debug, thiserror::Error)]
+pub enum ExportError {
+    /// Of the file.
+    #[error(transparent)]
+    Stage(#[from] StageError),
+    /// Of a physics model.
+    #[error(transparent)]
+    Import(#[from] ImportError),
+    /// Of the tree.
+    #[error("no MJCF of this body: {0}")]
+    Mjcf(#[from] MjcfError),
+}
+
+/// A body as MJCF.
+#[derive(Clone, Debug, PartialEq)]
+pub struct BodyMjcf {
+    /// The text.
+    pub text: String,
+    /// Links of the body.
+    pub links: usize,
+    /// Mass, kg.
+    pub mass_kg: f64,
+    /// Moving joints.
+    pub joints: usize,
+    /// Hinges and slides with a pair of springs.
+    pub antagonists: usize,
+}
+
+/// Friction of a ground nobody has described.
+const FRICTION: f64 = 0.8;
+
+/// Writes the body in `path` as MJCF: of a scene with its gravity and ground; of a character, or of the body
+/// guessed for a clip, with the Earth's gravity and a ground at the height 0 (of a clip: where its feet are).
+///
+/// # Errors
+/// [`ExportError`].
+pub fn mjcf(path: &Path, clip: &bvh::ImportOptions) -> Result<BodyMjcf, ExportError> {
+    let kind = path.extension().map(|e| e.to_string_lossy().to_lowercase());
+    let level = MjcfGround { height_m: 0.0, friction: FRICTION };
+    let alone = match kind.as_deref() {
+        Some("xml" | "mjcf" | "urdf") => {
+            let read = import::open(path, &ImportOptions::default())?;
+            Some((read.character, read.gravity, None))
+        }
+        Some("ron") => character_in(path)
+            .map_err(StageError::from)?
+            .map(|character| (character, Vec3::new(0.0, -9.81, 0.0), Some(level))),
+        _ => None,
+    };
+    let (character, gravity, ground) = match alone {
+        Some(found) => found,
+        None => {
+            let stage = open(path, None, clip)?;
+            let ground = stage.physics.ground;
+            let ground = ground.map(|g| MjcfGround { height_m: g.height_m, friction: g.friction });
+            (stage.character.as_ref().clone(), stage.physics.gravity, ground)
+        }
+    };
+    let antagonists = axis_set_points(&character.skeleton);
+    let count = antagonists.len();
+    let file = mjcf::write(&character, &MjcfOptions { gravity, ground, antagonists })?;
+    Ok(BodyMjcf {
+        links: character.bodies.len(),
+        mass_kg: character.mass(),
+        joints: file.joints.len(),
+        antagonists: count,
+        text: file.text,
+    })
+}
