@@ -89,7 +89,8 @@ fn verdict(r: &AnalysisReport) -> String {
         faults.push(format!("feet would slide in {:.0} % of the frames", at_least_one(r.friction.share)));
     }
     if r.support.frames > 0 {
-        faults.push(format!("out of balance in {:.0} %", at_least_one(r.support.share)));
+        let (worst, share) = (r.support.worst_mm, at_least_one(r.support.share));
+        faults.push(format!("centre of pressure up to {worst:.0} mm outside the soles in {share:.0} %"));
     }
     let verdict = match (r.is_good(), r.plausible.as_str()) {
         (true, _) => "physically plausible",
@@ -98,7 +99,10 @@ fn verdict(r: &AnalysisReport) -> String {
     };
     match faults.is_empty() {
         true => format!("{}: {verdict}", r.name),
-        false => format!("{}: {verdict}: {}", r.name, faults.join("; ")),
+        false => {
+            let but = if r.is_good() { ", but " } else { ": " };
+            format!("{}: {verdict}{but}{}", r.name, faults.join("; "))
+        }
     }
 }
 
@@ -197,6 +201,13 @@ fn ground(out: &mut String, r: &AnalysisReport) -> std::fmt::Result {
         let text = format!("{} frames without contact, held up by {held} % of body weight RMS", f.frames);
         line(out, "flight", text)?;
         spans(out, &f.spans)?;
+        if let Some(hz) = r.smoothing.cutoff_hz {
+            let text = format!(
+                "smoothing at {hz:.1} Hz spreads take-off and landing over {:.2} s: forces unexplained there are partly its own",
+                1.0 / hz
+            );
+            line(out, "", text)?;
+        }
     }
     Ok(())
 }

@@ -343,7 +343,7 @@ pub struct DynamicsArgs {
     #[arg(long, value_name = "MU", value_parser = friction, allow_negative_numbers = true)]
     pub friction: Option<f64>,
     /// Smooth the motion before it is differentiated: a cut-off in Hz, auto, or off
-    /// [default: auto for clips, off for traces and scenes]
+    /// [default: auto for clips and runs with a pinned root, else off]
     #[arg(long, value_name = "HZ|auto|off", value_parser = smoothing, allow_negative_numbers = true)]
     pub smooth: Option<Smoothing>,
     /// Depth at which a body would stand in the penalty model's ground, mm

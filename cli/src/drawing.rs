@@ -66,13 +66,13 @@ impl<'a> Drawing<'a> {
             Ok(a) => {
                 add(
                     WitnessKind::Required,
-                    "required: inverse dynamics of the motion".into(),
+                    format!("required: inverse dynamics{}", smoothing(a)),
                     GroundForces::required(a),
                 );
                 match self.study.penalty(a, 1e-3 * dynamics.sink_mm).map_err(Failure::input)? {
                     Some((forces, by)) => {
                         let label = format!(
-                            "given: penalty contact, sink {} mm, motion {} by {:.2} mm",
+                            "given: penalty contact, sink {} mm, motion {} {:.2} mm",
                             dynamics.sink_mm,
                             if by.lowered_m < 0.0 { "raised" } else { "lowered" },
                             1e3 * by.lowered_m.abs()
@@ -88,7 +88,7 @@ impl<'a> Drawing<'a> {
         let beside = self.study.mujoco_beside();
         if let Some(path) = mujoco.or(beside.as_deref()) {
             let forces = self.study.other_run(path).map_err(Failure::input)?;
-            add(WitnessKind::Mujoco, "MuJoCo: contacts of its run".into(), forces);
+            add(WitnessKind::Mujoco, "MuJoCo".into(), forces);
         }
         Ok(())
     }
@@ -283,6 +283,6 @@ impl<'a> Drawing<'a> {
 fn smoothing(a: &Analysis) -> String {
     match a.smoothing.cutoff_hz {
         hz if hz.is_finite() => format!(", smoothed at {hz:.1} Hz"),
-        _ => ", not smoothed".into(),
+        _ => String::new(),
     }
 }

@@ -7,6 +7,7 @@
 //! Seen from above with forward (+z) up, the character's left (+x) is on the left: the horizontal axis
 //! is −x. The margin is that of [`motion::Support`]: positive inside, negative outside.
 
+use std::cmp::Reverse;
 use std::collections::BTreeMap;
 
 use motion::support::{Vec2, ground};
@@ -102,7 +103,7 @@ fn from_above(trace: &Excerpt, com: &[Vec3]) -> Panel {
 }
 
 /// Hull of all points that carry the body at the start, and the footprints: of each link that stands, and
-/// each time it does, the hull of its points in the middle of that time.
+/// each time it does, the hull of its points when most of them are down.
 fn supports_and_footprints(trace: &Excerpt) -> (Support, Vec<Support>) {
     let Some(first) = trace.contacts.first() else { return standing(trace) };
     let start = trace.contacts.iter().take_while(|c| c.row == first.row).map(|c| &c.point);
@@ -114,9 +115,15 @@ fn supports_and_footprints(trace: &Excerpt) -> (Support, Vec<Support>) {
     let mut prints = Vec::new();
     for contacts in by_link.values() {
         for stance in contacts.chunk_by(|a, b| trace.contacts[*b].row <= trace.contacts[*a].row + 1) {
-            let row = trace.contacts[stance[stance.len() / 2]].row;
-            let middle = stance.iter().map(|i| &trace.contacts[*i]).filter(|c| c.row == row);
-            prints.push(Support::of(middle.map(|c| &c.point)));
+            let middle = trace.contacts[stance[stance.len() / 2]].row;
+            let rows = stance.chunk_by(|a, b| trace.contacts[*a].row == trace.contacts[*b].row);
+            // where the whole sole is down, as near to the middle of the stance as that is
+            let flat = rows.max_by_key(|points| {
+                let row = trace.contacts[points[0]].row;
+                (points.len(), Reverse(row.abs_diff(middle)))
+            });
+            let print = flat.unwrap_or_default().iter().map(|i| &trace.contacts[*i]);
+            prints.push(Support::of(print.map(|c| &c.point)));
         }
     }
     prints.truncate(MOST_PRINTS);

@@ -17,7 +17,7 @@ use std::sync::Arc;
 use dynamics::analysis_files::trace_of;
 use dynamics::penalty::PenaltyError;
 use dynamics::{
-    Analysis, AnalysisError, AnalysisOptions, Character, GivenBy, Ground, GroundForces, Trace,
+    Analysis, AnalysisError, AnalysisOptions, Character, GivenBy, Ground, GroundForces, RootMode, Trace,
     TraceFileError, analyze,
 };
 use motion::format::bvh::ImportOptions;
@@ -97,7 +97,8 @@ impl StudySource {
 /// How to analyse; what is not said is chosen by the source.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct StudyOptions {
-    /// Smoothing; `None`: automatic for clips, none for traces and scenes, which carry no noise.
+    /// Smoothing; `None`: automatic for clips and runs with a pinned root, none for other runs and scenes,
+    /// which carry no noise.
     pub smoothing: Option<Smoothing>,
     /// Coefficient of friction; `None`: that of the scene, 0.8 else.
     pub friction: Option<f64>,
@@ -202,7 +203,12 @@ impl Study {
     /// # Errors
     /// A motion too short, numbers that are not finite, settings out of range.
     pub fn analyze(&self, options: &StudyOptions) -> Result<Analysis, StudyError> {
-        let noisy = matches!(self.source, StudySource::Clip(_));
+        // a pinned root follows a clip with all its noise; what moved freely was integrated, and is smooth
+        let noisy = match &self.source {
+            StudySource::Clip(_) => true,
+            StudySource::Trace(trace) => trace.root == RootMode::Pinned,
+            StudySource::Scene => false,
+        };
         let usual = if noisy { Smoothing::Auto } else { Smoothing::Off };
         let defaults = AnalysisOptions::default();
         let options = AnalysisOptions {

@@ -1,6 +1,6 @@
 //! Traces as `trace.npz`: plain numpy arrays, readable without pickle and without this project.
 //!
-//! In: a [`Trace`]. Out: an uncompressed zip of `.npy` arrays; and back. Same trace, same bytes: time
+//! In: a [`Trace`](crate::Trace). Out: an uncompressed zip of `.npy` arrays; and back. Same trace, same bytes: time
 //! stamps are fixed. What is read equals what was written to the bit, but for the wall time, which is
 //! left out. Reading trusts nothing: see [`TraceFileError`].
 //!
@@ -8,13 +8,13 @@
 //!
 //! | array | shape | holds |
 //! |---|---|---|
-//! | `rate_hz`, `substeps`, `ground_m` | scalar | as in [`Trace`]; `ground_m` is NaN without ground |
+//! | `rate_hz`, `substeps`, `ground_m` | scalar | as in [`Trace`](crate::Trace)(crate::Trace); `ground_m` is NaN without ground |
 //! | `gravity` | 3 | m/s² |
 //! | `root_mode` | scalar text | `free`, `assisted` or `pinned` |
 //! | `root_limit` | 2 | budget, N and N·m: zero when free, infinite when pinned |
 //! | `q`, `target` | n × nq | poses; lengths in m, angles in rad, quaternions `w x y z` |
-//! | `v`, `torque`, `stop_torque`, `k_lo`, `k_hi`, `kd` | n × nv | as in [`Trace`] |
-//! | `root_wrench`, `momentum` | n × 6 | as in [`Trace`] |
+//! | `v`, `torque`, `stop_torque`, `k_lo`, `k_hi`, `kd` | n × nv | as in [`Trace`](crate::Trace)(crate::Trace) |
+//! | `root_wrench`, `momentum` | n × 6 | as in [`Trace`](crate::Trace)(crate::Trace) |
 //! | `com` | n × 3 | m |
 //! | `energy` | n × 2 | J |
 //! | `link_com` | n × 3L | world centres of mass, m; absent when not recorded |
