@@ -8,7 +8,7 @@ use std::collections::BTreeMap;
 use cargo_metadata::{Metadata, MetadataCommand, Package};
 
 /// Folder, row, and the folders of the workspace it may use.
-const TABLE: [(&str, usize, &[&str]); 13] = [
+const TABLE: [(&str, usize, &[&str]); 14] = [
     ("motion", 0, &[]),
     ("learn", 0, &[]),
     ("dynamics", 1, &["motion"]),
@@ -18,15 +18,29 @@ const TABLE: [(&str, usize, &[&str]); 13] = [
     ("plots", 2, &["motion", "dynamics"]),
     ("sim", 3, &["motion", "dynamics", "controllers"]),
     ("scenes", 4, ALL_BELOW_SCENES),
-    ("cli", 5, &["scenes", "plots", "motion"]),
-    ("studio", 5, &["scenes", "plots", "motion"]),
-    ("python", 5, &["scenes", "plots", "motion"]),
-    ("tests", 6, ALL_BELOW_TESTS),
+    ("crosscheck", 5, ALL_BELOW_CROSSCHECK),
+    ("cli", 6, &["crosscheck", "scenes", "plots", "motion"]),
+    ("studio", 6, &["scenes", "plots", "motion"]),
+    ("python", 6, &["scenes", "plots", "motion"]),
+    ("tests", 7, ALL_BELOW_TESTS),
 ];
 const ALL_BELOW_SCENES: &[&str] =
     &["motion", "learn", "dynamics", "edits", "controllers", "retarget", "plots", "sim"];
-const ALL_BELOW_TESTS: &[&str] =
-    &["motion", "learn", "dynamics", "edits", "controllers", "retarget", "plots", "sim", "scenes", "cli"];
+const ALL_BELOW_CROSSCHECK: &[&str] =
+    &["motion", "learn", "dynamics", "edits", "controllers", "retarget", "plots", "sim", "scenes"];
+const ALL_BELOW_TESTS: &[&str] = &[
+    "motion",
+    "learn",
+    "dynamics",
+    "edits",
+    "controllers",
+    "retarget",
+    "plots",
+    "sim",
+    "scenes",
+    "crosscheck",
+    "cli",
+];
 
 fn metadata() -> Metadata {
     MetadataCommand::new()
