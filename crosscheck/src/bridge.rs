@@ -1,13 +1,14 @@
 //! The pipe to MuJoCo: requests out, answers in.
 //!
 //! In: a Python with MuJoCo. Out: a [`Bridge`] that loads models and answers about them. The other end is
-//! `driver.py`, which says the framing. Numbers here are in MuJoCo's layout; [`crate::layout`] converts.
+//! `driver.py`, which says the framing. Numbers here are in MuJoCo's layout; [`dynamics::mujoco_layout`] converts.
 
 use std::io::{BufReader, BufWriter, Read, Write};
 use std::path::Path;
 use std::process::{Child, ChildStdin, ChildStdout, Command, Stdio};
 
-use motion::Vec3;
+use dynamics::mujoco_layout::JointThere;
+use motion::{Joint, Skeleton, Vec3};
 use serde::Deserialize;
 use serde_json::{Value, json};
 
@@ -20,6 +21,9 @@ pub enum BridgeError {
     /// It refused a request.
     #[error("MuJoCo refuses: {0}")]
     Refused(String),
+    /// It has other joints than we.
+    #[error("the two models do not have the same joints: {0}")]
+    Joints(String),
     /// It answered something else than asked.
     #[error("MuJoCo answered {found} numbers, {wanted} were expected")]
     Length {
@@ -81,6 +85,35 @@ pub struct ModelInfo {
     /// Axis of each hinge or slide in the reference pose.
     #[serde(skip)]
     pub axes: Vec<Vec3>,
+}
+
+impl ModelInfo {
+    /// Where the joints of `links`, given in MuJoCo's order, are in its vectors.
+    ///
+    /// # Errors
+    /// [`BridgeError::Joints`] if the joints differ in number or kind.
+    pub fn places(&self, skeleton: &Skeleton, links: &[usize]) -> Result<Vec<JointThere>, BridgeError> {
+        if links.len() != self.joints.len() {
+            let (ours, theirs) = (links.len(), self.joints.len());
+            return Err(BridgeError::Joints(format!("ours has {ours} moving joints, MuJoCo's {theirs}")));
+        }
+        let place = |(&link, there): (&usize, &JointInfo)| {
+            let kind = match skeleton.links()[link].joint {
+                Joint::Free => "free",
+                Joint::Spherical => "ball",
+                Joint::Revolute(_) => "hinge",
+                Joint::Prismatic(_) => "slide",
+                Joint::Fixed => "weld",
+            };
+            if kind == there.kind {
+                Ok(JointThere { link, q: there.q, v: there.v })
+            } else {
+                let (name, theirs) = (&there.name, &there.kind);
+                Err(BridgeError::Joints(format!("`{name}` is a {theirs} in MuJoCo and a {kind} in ours")))
+            }
+        };
+        links.iter().zip(&self.joints).map(place).collect()
+    }
 }
 
 /// A running MuJoCo. See the module header.

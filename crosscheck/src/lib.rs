@@ -12,7 +12,6 @@
 //! | [`inject`] | faults put in on purpose |
 //! | [`check`], [`report`] | a row of the table; the table as text, page and JSON |
 //! | [`world`] | MuJoCo as an engine of the dynamic pass |
-//! | [`layout`] | between our vectors and MuJoCo's |
 //! | [`bridge`], [`environment`] | the process, the Python it runs in |
 
 pub mod bridge;
@@ -21,7 +20,6 @@ pub mod environment;
 pub mod forward;
 pub mod ground;
 pub mod inject;
-pub mod layout;
 pub mod report;
 pub mod rigid;
 pub mod subject;

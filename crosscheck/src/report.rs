@@ -124,9 +124,9 @@ pub fn html(cross: &CrossCheck) -> Result<String, plots::FigureError> {
         let (e, kind) = error(c);
         let class = if c.pass { "ok" } else { "fail" };
         let reason = c.reason.as_deref().map(|r| format!("<div class=reason>{}</div>", escape(r)));
-        let _ = write!(
+        let _ = writeln!(
             rows,
-            "<tr class={class}><td>{class}</td><td>{}{}</td><td>{} {unit}</td><td>{} {unit}</td><td>{:.2e}</td><td>{:.2e}</td><td>{} {kind}</td><td>{}</td></tr>\n",
+            "<tr class={class}><td>{class}</td><td>{}{}</td><td>{} {unit}</td><td>{} {unit}</td><td>{:.2e}</td><td>{:.2e}</td><td>{} {kind}</td><td>{}</td></tr>",
             escape(&c.quantity),
             reason.unwrap_or_default(),
             short(c.ours),

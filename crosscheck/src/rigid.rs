@@ -8,6 +8,7 @@
 //! coordinate, none zero. Contacts, limits, springs, dampers, actuators, friction losses, equalities and rotor
 //! inertias are off in MuJoCo.
 
+use dynamics::mujoco_layout::Layout;
 use dynamics::{Model, State};
 use motion::rotation::exp;
 use motion::{Joint, Quat, Vec3};
@@ -18,7 +19,6 @@ use serde_json::json;
 
 use crate::bridge::{Bridge, BridgeError, ModelInfo, expect};
 use crate::check::{Check, Worst};
-use crate::layout::Layout;
 
 /// What MuJoCo leaves out of a model here.
 pub const OFF: [&str; 8] =

@@ -15,6 +15,7 @@ use std::rc::Rc;
 
 use dynamics::import::{self, ImportError, ImportOptions, Imported};
 use dynamics::mjcf::{self, MjcfError, MjcfOptions};
+use dynamics::mujoco_layout::Layout;
 use dynamics::{Character, Model, RootMode};
 use motion::{Quat, Vec3};
 use scenes::overrides::{Overrides, RootChoice};
@@ -27,7 +28,6 @@ use crate::environment::{self, EnvironmentError};
 use crate::forward::{self, ForwardRun};
 use crate::ground::{self, LandingRun, SceneRun};
 use crate::inject::{Injection, InjectionError};
-use crate::layout::{Layout, LayoutError};
 use crate::rigid::{self, OFF, Pair};
 
 /// How to cross-check.
@@ -89,9 +89,6 @@ pub enum CrossCheckError {
     /// MuJoCo does not answer.
     #[error(transparent)]
     Bridge(#[from] BridgeError),
-    /// The two trees differ.
-    #[error("the two models do not have the same joints: {0}")]
-    Layout(#[from] LayoutError),
     /// A run that failed.
     #[error(transparent)]
     Pass(#[from] PassError),
@@ -198,8 +195,13 @@ pub fn run(
             let character = wrong(&ours.character)?;
             let joints: Vec<usize> = ours.joints.iter().map(|j| j.link).collect();
             let file = std::path::absolute(file).unwrap_or_else(|_| file.to_owned());
-            let theirs = Theirs { source: Source::File(&file), joints: &joints, turn: ours.ours_from_file };
-            out.checks = states(&character, ours.gravity, &theirs, true, &bridge, options)?;
+            let theirs = Theirs {
+                source: Source::File(&file),
+                file: Some(ours),
+                joints: &joints,
+                turn: ours.ours_from_file,
+            };
+            out.checks = states(&character, ours.gravity, &theirs, &bridge, options)?;
         }
         Subject::Character(_) | Subject::Stage(_) => {
             let (character, gravity) = subject.body();
@@ -209,9 +211,13 @@ pub fn run(
                 Some((_, s)) => s.body().0,
             };
             let file = mjcf::write(there, &MjcfOptions { gravity, ..MjcfOptions::default() })?;
-            let theirs =
-                Theirs { source: Source::Text(&file.text), joints: &file.joints, turn: Quat::identity() };
-            out.checks = states(&wrong(character)?, gravity, &theirs, false, &bridge, options)?;
+            let theirs = Theirs {
+                source: Source::Text(&file.text),
+                file: None,
+                joints: &file.joints,
+                turn: Quat::identity(),
+            };
+            out.checks = states(&wrong(character)?, gravity, &theirs, &bridge, options)?;
         }
     }
     if let (Subject::Stage(stage), false) = (&subject, options.states_only) {
@@ -252,6 +258,8 @@ fn stage_of(path: &Path, root: Option<RootChoice>) -> Result<Stage, StageError> 
 
 struct Theirs<'a> {
     source: Source<'a>,
+    /// What was read of it, if both sides read a file.
+    file: Option<&'a Imported>,
     joints: &'a [usize],
     turn: Quat,
 }
@@ -260,14 +268,17 @@ fn states(
     character: &Character,
     gravity: Vec3,
     theirs: &Theirs<'_>,
-    file_axes: bool,
     bridge: &RefCell<Bridge>,
     options: &Options,
 ) -> Result<Vec<Check>, CrossCheckError> {
     let mut bridge = bridge.borrow_mut();
     let info = bridge.load(&theirs.source, &OFF, true)?;
     let model = Model::new(character, gravity);
-    let layout = Layout::new(&character.skeleton, theirs.joints, &info, file_axes)?;
+    let places = info.places(&character.skeleton, theirs.joints)?;
+    let layout = match theirs.file {
+        Some(read) => Layout::of_import(read, &places, info.nq, info.nv),
+        None => Layout::new(&character.skeleton, &places, info.nq, info.nv),
+    };
     let pair = Pair {
         model: &model,
         info: &info,

@@ -14,6 +14,7 @@ use std::rc::Rc;
 use controllers::antagonist::{SetPoints, axis_set_points};
 use controllers::{Drive, Rest};
 use dynamics::mjcf::{self, MjcfGround, MjcfOptions};
+use dynamics::mujoco_layout::Layout;
 use dynamics::{Character, ContactSample, Model, State, Wrench};
 use motion::rotation::log;
 use motion::skeleton::{quat_at, vec_at};
@@ -22,7 +23,6 @@ use serde_json::json;
 use sim::{Engine, WorldError, WorldSettings};
 
 use crate::bridge::{Bridge, BridgeError, Source};
-use crate::layout::Layout;
 
 /// How MuJoCo integrates and how its contacts yield.
 #[derive(Clone, Debug, PartialEq)]
@@ -99,8 +99,8 @@ impl MujocoWorld {
         let file = mjcf::write(character, &options).map_err(|e| WorldError::Engine(e.to_string()))?;
         // our stops stand in for its limits
         let info = bridge.borrow_mut().load(&Source::Text(&file.text), &["limit"], true).map_err(engine)?;
-        let layout = Layout::new(&character.skeleton, &file.joints, &info, false)
-            .map_err(|e| WorldError::Engine(e.to_string()))?;
+        let places = info.places(&character.skeleton, &file.joints).map_err(engine)?;
+        let layout = Layout::new(&character.skeleton, &places, info.nq, info.nv);
         let name = |link: usize| links[link].name.as_str();
         let there = |link: usize| info.bodies.iter().position(|b| b.name == name(link));
         let mut world = Self {

@@ -10,6 +10,7 @@
 //! | [`anthropometry`] | a body for any human-like skeleton |
 //! | [`character`] | mass, inertia, shapes and contact points on a skeleton |
 //! | [`mjcf`] | a character as MJCF |
+//! | [`mujoco_layout`] | between our vectors and MuJoCo's |
 //! | [`model`] | a character compiled for dynamics, and its world-frame state |
 //! | [`rnea`] | inverse dynamics with outside wrenches, bias, Coriolis terms, gravity load |
 //! | [`crba`] | mass matrix |
@@ -37,6 +38,7 @@ pub mod import;
 pub mod inertia;
 pub mod mjcf;
 pub mod model;
+pub mod mujoco_layout;
 pub mod penalty;
 pub mod pose_map;
 pub mod rnea;

@@ -15,7 +15,7 @@
 //!   MuJoCo's actuators of balls follow another law, K (φ* − φ) on rotation-vector components, so balls get
 //!   none.
 //! - A pose `q` has the file's joint numbers up to their order; velocities of balls and of a free root's
-//!   rotation are along the moving body in MuJoCo.
+//!   rotation are along the moving body in MuJoCo: see [`crate::mujoco_layout`].
 
 use std::fmt::Write;
 

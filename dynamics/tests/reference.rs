@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use dynamics::import::{ImportOptions, Imported, mujoco_layout, open};
+use dynamics::import::{ImportOptions, Imported, open};
 use motion::{Joint, Limits};
 use serde_json::Value;
 
@@ -94,19 +94,19 @@ fn inverse_dynamics_is_mujocos() {
 fn conventions_invert_and_keep_power() {
     let table = table();
     for name in MODELS {
-        let imported = zoo(name);
+        let layout = zoo(name).layout();
         for s in table["models"][name]["states"].as_array().unwrap() {
             let (qpos, v_m, tau_m) = (numbers(&s["qpos"]), numbers(&s["qvel"]), numbers(&s["tau"]));
-            let q = mujoco_layout::q_to_ours(&imported, &qpos);
-            let v = mujoco_layout::rates_to_ours(&imported, &q, &v_m);
-            let tau = mujoco_layout::tau_to_ours(&imported, &q, &tau_m);
+            let q = mujoco::pose(&layout, &qpos);
+            let v = mujoco::ours(&layout, &q, &v_m);
+            let tau = mujoco::ours(&layout, &q, &tau_m);
             let dot = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
             let scale = dot(&tau_m, &tau_m).sqrt() * dot(&v_m, &v_m).sqrt() + 1e-300;
             assert!((dot(&tau, &v) - dot(&tau_m, &v_m)).abs() <= 1e-14 * scale, "{name}"); // 3e-16 seen
-            for (x, y) in mujoco_layout::rates_to_mujoco(&imported, &q, &v).iter().zip(&v_m) {
+            for (x, y) in mujoco::theirs(&layout, &q, &v).iter().zip(&v_m) {
                 assert!((x - y).abs() < 1e-13, "{name}");
             }
-            for (x, y) in mujoco_layout::tau_to_mujoco(&imported, &q, &tau).iter().zip(&tau_m) {
+            for (x, y) in mujoco::theirs(&layout, &q, &tau).iter().zip(&tau_m) {
                 assert!((x - y).abs() < 1e-14 * scale.max(1e4), "{name}");
             }
         }

@@ -9,7 +9,6 @@
 //! | `solid` | mass and inertia of geoms |
 //! | `mass` | mass and inertia of bodies, and whether they are physical |
 //! | `build` | links, joints, shapes |
-//! | [`mujoco_layout`] | velocities and forces between MuJoCo's conventions and ours |
 //!
 //! # Frames
 //!
@@ -34,7 +33,6 @@
 
 mod build;
 mod mass;
-pub mod mujoco_layout;
 pub mod solid;
 
 use std::path::Path;
@@ -44,6 +42,7 @@ use motion::format::{mjcf, urdf, xml};
 use motion::{Quat, SkeletonError, Vec3};
 use thiserror::Error;
 
+use crate::mujoco_layout::{JointThere, Layout};
 use crate::{Character, CharacterError};
 
 /// What an import may leave out.
@@ -62,6 +61,20 @@ pub struct ImportedJoint {
     pub link: usize,
     /// Rotor inertia, which the character does not have, kg·m² or kg.
     pub armature: f64,
+}
+
+impl Imported {
+    /// The map between our vectors and MuJoCo's of the same file.
+    pub fn layout(&self) -> Layout {
+        let (mut q, mut v) = (0, 0);
+        let mut joints = Vec::new();
+        for joint in &self.joints {
+            joints.push(JointThere { link: joint.link, q, v });
+            let kind = &self.character.skeleton.links()[joint.link].joint;
+            (q, v) = (q + kind.nq(), v + kind.nv());
+        }
+        Layout::of_import(self, &joints, q, v)
+    }
 }
 
 /// A model file as a character. See the module header.

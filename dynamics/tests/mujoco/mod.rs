@@ -5,7 +5,8 @@
 
 #![allow(dead_code)] // each test file uses its part
 
-use dynamics::import::{Imported, mujoco_layout};
+use dynamics::import::Imported;
+use dynamics::mujoco_layout::Layout;
 use dynamics::{Model, State};
 use motion::{Joint, Quat, Vec3};
 use nalgebra::{DMatrix, Matrix3, Quaternion};
@@ -19,47 +20,71 @@ pub fn vector(v: &Value) -> Vec3 {
     Vec3::from_column_slice(&numbers(v))
 }
 
+/// MuJoCo's pose as ours.
+pub fn pose(layout: &Layout, qpos: &[f64]) -> Vec<f64> {
+    let mut q = vec![0.0; layout.ours().0];
+    layout.pose_back(qpos, &mut q);
+    q
+}
+
+/// MuJoCo's velocity, acceleration or force as ours.
+pub fn ours(layout: &Layout, q: &[f64], theirs: &[f64]) -> Vec<f64> {
+    let mut out = vec![0.0; layout.ours().1];
+    layout.tangent_back(q, theirs, &mut out);
+    out
+}
+
+/// Our velocity, acceleration or force as MuJoCo's.
+pub fn theirs(layout: &Layout, q: &[f64], ours: &[f64]) -> Vec<f64> {
+    let mut out = vec![0.0; layout.nv];
+    layout.tangent(q, ours, &mut out);
+    out
+}
+
 fn largest(x: impl IntoIterator<Item = f64>) -> f64 {
     x.into_iter().fold(0.0, |m, x| if x.is_nan() { f64::NAN } else { m.max(x.abs()) })
 }
 
 /// Worst `max|Δτ| / max|τ|` over the states.
 pub fn tau_error(imported: &Imported, reference: &Value) -> f64 {
+    let layout = imported.layout();
     let model = Model::new(&imported.character, imported.gravity);
     let mut state = State::new(&model);
     let errors = reference["states"].as_array().unwrap().iter().map(|s| {
         let (qpos, qvel, qacc) = (numbers(&s["qpos"]), numbers(&s["qvel"]), numbers(&s["qacc"]));
-        let (q, v, vd) = mujoco_layout::to_ours(imported, &qpos, &qvel, &qacc);
+        let q = pose(&layout, &qpos);
+        let (v, vd) = (ours(&layout, &q, &qvel), ours(&layout, &q, &qacc));
         let mut tau = vec![0.0; model.nv()];
         state.update(&model, &q, &v);
         state.inverse_dynamics(&model, &v, &vd, &[], &mut tau);
-        let ours = mujoco_layout::tau_to_mujoco(imported, &q, &tau);
-        let theirs = numbers(&s["tau"]);
-        largest(ours.iter().zip(&theirs).map(|(a, b)| a - b)) / largest(theirs)
+        let found = theirs(&layout, &q, &tau);
+        let expected = numbers(&s["tau"]);
+        largest(found.iter().zip(&expected).map(|(a, b)| a - b)) / largest(expected)
     });
     largest(errors)
 }
 
 /// Worst `max|ΔM| / max|M|` over the states, `M` along MuJoCo's axes.
 pub fn mass_matrix_error(imported: &Imported, reference: &Value) -> f64 {
+    let layout = imported.layout();
     let model = Model::new(&imported.character, imported.gravity);
     let mut state = State::new(&model);
     let n = model.nv();
     let mut m = DMatrix::zeros(n, n);
     let errors = reference["states"].as_array().unwrap().iter().map(|s| {
-        let q = mujoco_layout::q_to_ours(imported, &numbers(&s["qpos"]));
+        let q = pose(&layout, &numbers(&s["qpos"]));
         state.update(&model, &q, &vec![0.0; n]);
         state.mass_matrix(&model, &mut m);
-        let theirs: Vec<Vec<f64>> = s["mass_matrix"].as_array().unwrap().iter().map(numbers).collect();
+        let expected: Vec<Vec<f64>> = s["mass_matrix"].as_array().unwrap().iter().map(numbers).collect();
         let mut error = 0.0_f64;
         for k in 0..n {
             let mut unit = vec![0.0; n];
             unit[k] = 1.0;
-            let column = &m * DMatrix::from_vec(n, 1, mujoco_layout::rates_to_ours(imported, &q, &unit));
-            let ours = mujoco_layout::tau_to_mujoco(imported, &q, column.as_slice());
-            error = error.max(largest((0..n).map(|i| ours[i] - theirs[i][k])));
+            let column = &m * DMatrix::from_vec(n, 1, ours(&layout, &q, &unit));
+            let found = theirs(&layout, &q, column.as_slice());
+            error = error.max(largest((0..n).map(|i| found[i] - expected[i][k])));
         }
-        error / largest(theirs.into_iter().flatten())
+        error / largest(expected.into_iter().flatten())
     });
     largest(errors)
 }
@@ -111,12 +136,13 @@ pub fn body_errors(imported: &Imported, reference: &Value, fused: bool) -> [f64;
 
 /// Worst error of the centre of mass of the whole model, m, and relative of the trace of the mass matrix.
 pub fn whole_errors(imported: &Imported, reference: &Value) -> [f64; 2] {
+    let layout = imported.layout();
     let model = Model::new(&imported.character, imported.gravity);
     let mut state = State::new(&model);
     let mut m = DMatrix::zeros(model.nv(), model.nv());
     let mut worst = [0.0_f64; 2];
     for s in reference["states"].as_array().unwrap() {
-        let q = mujoco_layout::q_to_ours(imported, &numbers(&s["qpos"]));
+        let q = pose(&layout, &numbers(&s["qpos"]));
         state.update(&model, &q, &vec![0.0; model.nv()]);
         let com = imported.ours_from_file * vector(&s["com"]);
         worst[0] = largest([worst[0], (state.com(&model) - com).amax()]);

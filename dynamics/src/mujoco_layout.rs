@@ -1,5 +1,8 @@
 //! Between our vectors and MuJoCo's.
 //!
+//! In and out: poses, velocities, accelerations and generalised forces, flat. The numbers of a pose are the same
+//! up to their order; rotations differ in the axes of their velocities:
+//!
 //! | joint | ours | MuJoCo's |
 //! |---|---|---|
 //! | free | pose in its zero frame; linear and angular velocity along the zero frame | pose in the world; linear along the world, angular along the moving body |
@@ -13,7 +16,7 @@
 use motion::skeleton::{quat_at, vec_at};
 use motion::{Joint, Quat, Skeleton, Transform, Vec3};
 
-use crate::bridge::ModelInfo;
+use crate::import::Imported;
 
 /// A joint in both vectors.
 #[derive(Clone, Copy, Debug)]
@@ -26,7 +29,7 @@ struct Entry {
     zero: Transform,
 }
 
-/// The map between a skeleton's vectors and a loaded model's.
+/// The map between a skeleton's vectors and a model's in MuJoCo. See the module header.
 #[derive(Clone, Debug)]
 pub struct Layout {
     entries: Vec<Entry>,
@@ -37,67 +40,47 @@ pub struct Layout {
     ours: (usize, usize),
 }
 
-/// Two models that do not have the same joints.
-#[derive(Clone, Debug, PartialEq, thiserror::Error)]
-pub enum LayoutError {
-    /// Another number of joints.
-    #[error("ours has {ours} moving joints, MuJoCo's {theirs}")]
-    Count {
-        /// Joints here.
-        ours: usize,
-        /// Joints there.
-        theirs: usize,
-    },
-    /// Another kind of joint.
-    #[error("the joint `{name}` is a {theirs} in MuJoCo and not in ours")]
-    Kind {
-        /// Name there.
-        name: String,
-        /// Kind there.
-        theirs: String,
-    },
+/// Where MuJoCo keeps a joint.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct JointThere {
+    /// Our link, whose joint it is.
+    pub link: usize,
+    /// Start in `qpos`.
+    pub q: usize,
+    /// Start in `qvel`.
+    pub v: usize,
 }
 
 impl Layout {
-    /// The map from the joints of `links`, in MuJoCo's order, to those of `info`.
+    /// The map for the moving joints of a skeleton, each at its place in MuJoCo's vectors of lengths `nq`, `nv`.
     ///
-    /// Poses of a free joint are taken to the world through its zero frame; with `file_axes` they stay in the
-    /// axes of the file, for models whose zero frames turn the file's world into ours.
-    ///
-    /// # Errors
-    /// [`LayoutError`].
-    pub fn new(
+    /// Poses of a free joint are taken to the world through its zero frame.
+    pub fn new(skeleton: &Skeleton, joints: &[JointThere], nq: usize, nv: usize) -> Self {
+        Self::with_zero(skeleton, joints, (nq, nv), |link| world_from_zero(skeleton, link))
+    }
+
+    /// The map for a model read from a file: poses of free joints stay in the axes of the file, into which the
+    /// zero frames of its character are turned.
+    pub fn of_import(model: &Imported, joints: &[JointThere], nq: usize, nv: usize) -> Self {
+        Self::with_zero(&model.character.skeleton, joints, (nq, nv), |_| Transform::identity())
+    }
+
+    fn with_zero(
         skeleton: &Skeleton,
-        links: &[usize],
-        info: &ModelInfo,
-        file_axes: bool,
-    ) -> Result<Self, LayoutError> {
-        if links.len() != info.joints.len() {
-            return Err(LayoutError::Count { ours: links.len(), theirs: info.joints.len() });
-        }
-        let mut entries = Vec::new();
-        for (&link, there) in links.iter().zip(&info.joints) {
-            let l = &skeleton.links()[link];
-            let kind = match l.joint {
-                Joint::Free => "free",
-                Joint::Spherical => "ball",
-                Joint::Revolute(_) => "hinge",
-                Joint::Prismatic(_) => "slide",
-                Joint::Fixed => "weld",
-            };
-            if kind != there.kind {
-                return Err(LayoutError::Kind { name: there.name.clone(), theirs: there.kind.clone() });
-            }
-            entries.push(Entry {
-                joint: l.joint,
-                q: skeleton.q_at(link),
-                v: skeleton.v_at(link),
-                their_q: there.q,
-                their_v: there.v,
-                zero: if file_axes { Transform::identity() } else { world_from_zero(skeleton, link) },
-            });
-        }
-        Ok(Self { entries, nq: info.nq, nv: info.nv, ours: (skeleton.nq(), skeleton.nv()) })
+        joints: &[JointThere],
+        (nq, nv): (usize, usize),
+        zero: impl Fn(usize) -> Transform,
+    ) -> Self {
+        let entry = |there: &JointThere| Entry {
+            joint: skeleton.links()[there.link].joint,
+            q: skeleton.q_at(there.link),
+            v: skeleton.v_at(there.link),
+            their_q: there.q,
+            their_v: there.v,
+            zero: zero(there.link),
+        };
+        let entries = joints.iter().map(entry).collect();
+        Self { entries, nq, nv, ours: (skeleton.nq(), skeleton.nv()) }
     }
 
     /// Our pose as MuJoCo's.
