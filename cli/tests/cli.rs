@@ -6,6 +6,8 @@ mod analyze;
 mod bad_input;
 #[path = "cli/convert.rs"]
 mod convert;
+#[path = "cli/crosscheck.rs"]
+mod crosscheck;
 #[path = "cli/inspect.rs"]
 mod inspect;
 #[path = "cli/place.rs"]

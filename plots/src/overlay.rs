@@ -5,7 +5,7 @@
 //! the engine measured, or what the motion requires when nothing was measured. The horizontal panel
 //! shows the length of the force; its RMS is of the difference vector.
 //!
-//! [YAH10] Yamane, Ariki, Hodgins. Animating Non-Humanoid Characters with Human Motion Data, SCA 2010.
+//! \[YAH10\] Yamane, Ariki, Hodgins. Animating Non-Humanoid Characters with Human Motion Data, SCA 2010.
 
 use dynamics::GroundForces;
 use motion::Vec3;

@@ -1,6 +1,6 @@
 //! Contact forces: what the ground did to each point of the body during the last step.
 //!
-//! In: a [`World`] after [`World::step`]. Out: one force per active contact point, mean over the step,
+//! In: a [`World`] after [`Engine::step`](crate::Engine::step). Out: one force per active contact point, mean over the step,
 //! world frame, N. Friction is read from the engine's two tangent impulses, whose basis is not stored
 //! and is recovered from the world-frame copy of the last substep's.
 

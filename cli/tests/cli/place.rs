@@ -67,6 +67,13 @@ impl Place {
         Done::of(&command.args(args).current_dir(&self.0).output().unwrap())
     }
 
+    /// [`Place::run`] with variables of the environment.
+    pub fn run_with(&self, args: &[&str], variables: &[(&str, &str)]) -> Done {
+        let mut command = Command::new(env!("CARGO_BIN_EXE_contrapposto"));
+        command.args(args).current_dir(&self.0).envs(variables.iter().copied());
+        Done::of(&command.output().unwrap())
+    }
+
     /// Renders into `out` below this folder.
     pub fn render(&self, input: &Path, options: &[&str]) -> Done {
         let mut args = vec!["render", input.to_str().unwrap(), "--no-plots", "--out", "out"];
