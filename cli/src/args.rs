@@ -249,7 +249,7 @@ Exit codes: 0 all checks pass, 1 a check fails or an engine does, 2 something is
 #[derive(Debug, Args)]
 #[command(after_help = CONVERT_EXAMPLES)]
 pub struct ConvertArgs {
-    /// Clip (.bvh) or scene (.ron)
+    /// Clip (.bvh), scene or character (.ron), or, to write a body, physics model (MJCF .xml, .urdf)
     #[arg(value_name = "IN")]
     pub input: PathBuf,
     /// File to write: .bvh, .glb, or .xml for the body as MJCF
@@ -261,6 +261,9 @@ pub struct ConvertArgs {
     /// Metres in one unit of a BVH written [default: the input's; 0.01 for a scene]
     #[arg(long, value_name = "METRES_PER_UNIT", value_parser = length, allow_negative_numbers = true)]
     pub out_units: Option<f64>,
+    /// Leave out and list what a physics model has and rigid-body dynamics has not, instead of refusing it
+    #[arg(long)]
+    pub dynamics_only: bool,
     /// How to read a clip.
     #[command(flatten)]
     pub clip: ClipArgs,

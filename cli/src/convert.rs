@@ -16,6 +16,9 @@ use crate::output;
 /// Bad input, a file that cannot be written.
 pub fn run(args: &ConvertArgs) -> Result<(), Failure> {
     let kind = extension(&args.output);
+    if args.dynamics_only && kind != "xml" {
+        return Err(Failure::Input("--dynamics-only is for physics models; they are written as .xml".into()));
+    }
     match kind.as_str() {
         "bvh" | "glb" => {}
         "xml" => return body(args),
@@ -69,11 +72,13 @@ fn body(args: &ConvertArgs) -> Result<(), Failure> {
             return Err(Failure::Input(format!("{option} is for motion; an .xml holds a body")));
         }
     }
-    let made = scenes::export::mjcf(&args.input, &args.clip.import()).map_err(Failure::input)?;
+    let made =
+        scenes::export::mjcf(&args.input, &args.clip.import(), args.dynamics_only).map_err(Failure::input)?;
     motion::format::write(&args.output, made.text.as_bytes()).map_err(Failure::run)?;
     let (from, to) = (args.input.display(), args.output.display());
+    let left: String = made.left_out.iter().map(|item| format!("left out: {item}\n")).collect();
     output::print(&format!(
-        "read {from}: {} links, {:.2} kg\nwrote {to}: MJCF, {} joints, {} antagonists, metres, radians, Y up\n",
+        "{left}read {from}: {} links, {:.2} kg\nwrote {to}: MJCF, {} joints, {} antagonists, metres, radians, Y up\n",
         made.links, made.mass_kg, made.joints, made.antagonists
     ))
 }

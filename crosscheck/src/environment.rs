@@ -32,7 +32,9 @@ pub enum EnvironmentError {
     #[error("no cache folder: neither CONTRAPPOSTO_CACHE nor XDG_CACHE_HOME, HOME or LOCALAPPDATA is set")]
     NoCache,
     /// A step that failed.
-    #[error("cannot make the Python environment in {place}: `{command}` failed: {text}")]
+    #[error(
+        "cannot make the Python environment in {place} (the network is needed once): `{command}` failed: {text}"
+    )]
     Step {
         /// The folder.
         place: String,

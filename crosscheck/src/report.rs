@@ -28,6 +28,11 @@ fn short(x: f64) -> String {
     }
 }
 
+/// A threshold, as short as it can be.
+fn allowed(x: f64) -> String {
+    if x < 1e-3 { format!("{x:e}") } else { format!("{x}") }
+}
+
 fn error(check: &Check) -> (f64, &'static str) {
     match check.measure {
         Measure::Relative => (check.rel_error, "rel"),
@@ -55,7 +60,7 @@ pub fn text(cross: &CrossCheck) -> String {
             short(c.ours) + &unit,
             short(c.mujoco) + &unit,
             format!("{e:.1e} {kind}"),
-            format!("{}", c.threshold),
+            allowed(c.threshold),
             c.at.clone(),
         ]);
     }
@@ -133,7 +138,7 @@ pub fn html(cross: &CrossCheck) -> Result<String, plots::FigureError> {
             short(c.mujoco),
             c.abs_error,
             c.rel_error,
-            c.threshold,
+            allowed(c.threshold),
             escape(&c.at),
             unit = escape(&c.unit),
         );

@@ -39,22 +39,27 @@ pub struct BodyMjcf {
     pub joints: usize,
     /// Hinges and slides with a pair of springs.
     pub antagonists: usize,
+    /// What a physics model had and this has not.
+    pub left_out: Vec<String>,
 }
 
 /// Friction of a ground nobody has described.
 const FRICTION: f64 = 0.8;
 
 /// Writes the body in `path` as MJCF: of a scene with its gravity and ground; of a character, or of the body
-/// guessed for a clip, with the Earth's gravity and a ground at the height 0 (of a clip: where its feet are).
+/// guessed for a clip, with the Earth's gravity and a ground at the height 0 (of a clip: where its feet are). Of a physics model,
+/// `dynamics_only` leaves out and lists what rigid-body dynamics has not.
 ///
 /// # Errors
 /// [`ExportError`].
-pub fn mjcf(path: &Path, clip: &bvh::ImportOptions) -> Result<BodyMjcf, ExportError> {
+pub fn mjcf(path: &Path, clip: &bvh::ImportOptions, dynamics_only: bool) -> Result<BodyMjcf, ExportError> {
     let kind = path.extension().map(|e| e.to_string_lossy().to_lowercase());
     let level = MjcfGround { height_m: 0.0, friction: FRICTION };
+    let mut left_out = Vec::new();
     let alone = match kind.as_deref() {
         Some("xml" | "mjcf" | "urdf") => {
-            let read = import::open(path, &ImportOptions::default())?;
+            let read = import::open(path, &ImportOptions { dynamics_only })?;
+            left_out = read.left_out.iter().map(ToString::to_string).collect();
             Some((read.character, read.gravity, None))
         }
         Some("ron") => character_in(path)
@@ -79,6 +84,7 @@ pub fn mjcf(path: &Path, clip: &bvh::ImportOptions) -> Result<BodyMjcf, ExportEr
         mass_kg: character.mass(),
         joints: file.joints.len(),
         antagonists: count,
+        left_out,
         text: file.text,
     })
 }
