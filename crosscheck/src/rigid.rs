@@ -58,8 +58,7 @@ pub fn compare(
 ) -> Result<Vec<Check>, BridgeError> {
     let mut checks = tree(pair);
     let (model, layout) = (pair.model, pair.layout);
-    let skeleton = &model.skeleton;
-    let (nq, nv) = layout.ours();
+    let nv = layout.ours().1;
     let mut random = Random(Pcg64::seed_from_u64(seed));
     let width = layout.nq + 2 * layout.nv;
     let (mut ours, mut request) = (Vec::new(), vec![0.0; states * width]);
@@ -112,7 +111,6 @@ pub fn compare(
         worst[7].see(&[kinetic], &rest[9..10], 0.0, whole);
         worst[8].see(&[potential], &rest[10..11], 1.0, whole);
     }
-    debug_assert_eq!(nq, skeleton.nq());
     let names = [
         ("inverse dynamics", "N·m"),
         ("bias forces", "N·m"),
