@@ -44,7 +44,7 @@ pub fn push_map(spokes: &[Spoke], note: &str) -> Figure {
     let values = spokes.iter().flat_map(|s| [s.survived, s.limit]).filter(|x| x.is_finite());
     let most = values.fold(0.0, f64::max);
     let most = if most > 0.0 { most } else { 1.0 };
-    let ring = step(1.02 * most, 5.0, false);
+    let ring = step(1.02 * most, 6.0, false);
     let rings = (1.02 * most / ring).ceil().max(1.0);
     let scale = RADIUS / (rings * ring);
     let at = |deg: f64, px: f64| -> Px {
@@ -93,7 +93,7 @@ pub fn push_map(spokes: &[Spoke], note: &str) -> Figure {
     };
     if spokes.len() <= MOST_LABELLED {
         for s in spokes.iter().filter(|s| s.limit > 0.0) {
-            let percent = format!("{:.0} %", 100.0 * s.survived / s.limit);
+            let percent = format!("{:.0} %", 100.0 * (s.survived / s.limit));
             label(s.deg, OUT[0], percent, SMALL, style::SOFT);
         }
     }

@@ -77,7 +77,7 @@ pub enum PushError {
         what: String,
     },
     /// A body that does not even stand without a push.
-    #[error("{scene}: without any push, {what}")]
+    #[error("{scene}: without any push of the map, {what}")]
     Unsteady {
         /// The scene.
         scene: String,
