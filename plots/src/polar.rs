@@ -92,7 +92,7 @@ pub fn push_map(spokes: &[Spoke], note: &str) -> Figure {
         figure.text(text, [x, y + 0.36 * size], size, color, Anchor::Middle);
     };
     if spokes.len() <= MOST_LABELLED {
-        for s in spokes.iter().filter(|s| s.limit > 0.0) {
+        for s in spokes.iter().filter(|s| s.limit > 0.0 && s.survived.is_finite()) {
             let percent = format!("{:.0} %", 100.0 * (s.survived / s.limit));
             label(s.deg, OUT[0], percent, SMALL, style::SOFT);
         }

@@ -57,10 +57,11 @@ fn the_mirrored_body_has_the_mirrored_map() {
     let (left, right) = (with_heavy("wrist_l"), with_heavy("wrist_r"));
     for deg in [0.0, 45.0, 90.0, 130.0, 180.0, 270.0, 320.0] {
         let (a, b) = (left.limit_ns(deg), right.limit_ns(360.0 - deg));
-        assert!((a / b - 1.0).abs() < 1e-3, "{deg}: {a} {b}");
+        assert!((a / b - 1.0).abs() < 1e-3, "{deg}: {a} {b}"); // 6e-5 seen
     }
-    // the bodies do differ: 10 % seen
+    // the bodies do differ: 1.17 seen
     assert!(left.limit_ns(270.0) / left.limit_ns(90.0) > 1.05);
+    // 6e-5 seen
     let (a, b) = (left.search(45.0, &|_| {}).unwrap(), right.search(315.0, &|_| {}).unwrap());
     assert!((a.survived_ns / b.survived_ns - 1.0).abs() < 0.1, "{a:?} {b:?}");
 }
