@@ -7,6 +7,7 @@ use motion::format::bvh::{Axis, ImportOptions};
 use motion::smooth::Smoothing;
 use scenes::StudyOptions;
 use scenes::overrides::{Overrides, RATES, RootChoice, SUBSTEPS, TENSIONS};
+use scenes::push::PushSettings;
 
 /// Motion performed by a body with mass, muscles and contacts.
 #[derive(Debug, Parser)]
@@ -25,6 +26,7 @@ Examples:
   contrapposto analyze walk.bvh               is this motion physically plausible, and where not
   contrapposto plot out/bow --what contact    ground forces required, given, measured
   contrapposto crosscheck scenes/bow.ron      every force, ours and MuJoCo's
+  contrapposto push scenes/stand.ron          how hard it can be pushed without falling
   contrapposto convert walk.bvh walk.glb      change the format only
 
 Exit codes: 0 done (also when the body fell), 1 the run failed, 2 something is wrong with the input.";
@@ -42,6 +44,8 @@ pub enum Command {
     Analyze(AnalyzeArgs),
     /// Compare every number about force with MuJoCo
     Crosscheck(CrosscheckArgs),
+    /// Say how hard a standing body can be pushed, in every direction
+    Push(PushArgs),
     /// Write a clip, the kinematic motion of a scene, or a body in another format
     Convert(ConvertArgs),
 }
@@ -244,6 +248,78 @@ Files written into DIR:
   plots/            the figures, each as .svg and .png
 
 Exit codes: 0 all checks pass, 1 a check fails or an engine does, 2 something is wrong with the input.";
+
+/// Arguments of `push`.
+#[derive(Debug, Args)]
+#[command(after_help = PUSH_EXAMPLES)]
+pub struct PushArgs {
+    /// Scene (.ron) of a body that stands free
+    #[arg(value_name = "SCENE")]
+    pub input: PathBuf,
+    /// Directions, evenly spaced, from forward on
+    #[arg(long, value_name = "N", default_value_t = 16, value_parser = directions)]
+    pub directions: usize,
+    /// How closely the impulses are searched, in percent of themselves
+    #[arg(long, value_name = "PERCENT", default_value_t = 1.0, value_parser = tolerance, allow_negative_numbers = true)]
+    pub tolerance: f64,
+    /// When the push begins, s: the body must have settled
+    #[arg(long, value_name = "S", default_value_t = 1.0, value_parser = push_time, allow_negative_numbers = true)]
+    pub at: f64,
+    /// Folder to write into; an earlier map there is replaced when all is complete
+    /// [default: out/NAME-push]
+    #[arg(long, value_name = "DIR")]
+    pub out: Option<PathBuf>,
+    /// Factor on the tension of all muscles [default: the scene's]
+    #[arg(long, value_name = "FACTOR", value_parser = tension, allow_negative_numbers = true)]
+    pub tension: Option<f64>,
+    /// Control steps per second [default: the scene's]
+    #[arg(long, value_name = "HZ", value_parser = rate, allow_negative_numbers = true)]
+    pub rate: Option<f64>,
+    /// Engine substeps per control step [default: the scene's]
+    #[arg(long, value_name = "N", value_parser = substeps, allow_negative_numbers = true)]
+    pub substeps: Option<usize>,
+    /// Draw nothing
+    #[arg(long)]
+    pub no_plots: bool,
+    /// Print the map as JSON, and nothing else, on standard output
+    #[arg(long)]
+    pub json: bool,
+}
+
+const PUSH_EXAMPLES: &str = "\
+Examples:
+  contrapposto push scenes/stand.ron
+  contrapposto push scenes/stand.ron --directions 4 --tolerance 5
+  contrapposto push scenes/stand.ron --tension 2 --out out/stiff
+  contrapposto push scenes/stand.ron --json | jq .mean_ratio
+
+A push is a constant horizontal force over 0.1 s at the body's centre of mass. It is survived if no foot moves more
+than 1 cm, the body does not fall, and 5 s later the centre of mass is back within 2 cm. The limit is that of an
+upright body that only moves its centre of pressure; see docs/PUSH.md.
+
+Files written into DIR:
+  report.json       the map, see docs/PUSH.md
+  plots/push.svg    survived against limit, seen from above (and push.png)
+
+Same input, same bytes, on any number of threads (RAYON_NUM_THREADS).
+Exit codes: 0 done, 1 the body does not stand or the run failed, 2 something is wrong with the input.";
+
+impl PushArgs {
+    /// Numbers of the dynamic pass that differ from the file's.
+    pub fn overrides(&self) -> Overrides {
+        Overrides { root: None, tension: self.tension, rate_hz: self.rate, substeps: self.substeps }
+    }
+
+    /// The same as the map takes it.
+    pub fn settings(&self) -> PushSettings {
+        PushSettings {
+            directions: self.directions,
+            tolerance: 0.01 * self.tolerance,
+            at_s: self.at,
+            ..PushSettings::default()
+        }
+    }
+}
 
 /// Arguments of `convert`.
 #[derive(Debug, Args)]
@@ -511,6 +587,19 @@ fn states(text: &str) -> Result<usize, String> {
     let allowed = 1..=100_000;
     let n = text.parse().ok().filter(|n| allowed.contains(n));
     n.ok_or_else(|| format!("allowed: a whole number from {} to {}", allowed.start(), allowed.end()))
+}
+
+fn directions(text: &str) -> Result<usize, String> {
+    let n = text.parse().ok().filter(|n| (1..=360).contains(n));
+    n.ok_or_else(|| "allowed: a whole number from 1 to 360".into())
+}
+
+fn tolerance(text: &str) -> Result<f64, String> {
+    number(text, 0.01, 50.0, " %")
+}
+
+fn push_time(text: &str) -> Result<f64, String> {
+    number(text, 0.05, 600.0, " s")
 }
 
 fn substeps(text: &str) -> Result<usize, String> {

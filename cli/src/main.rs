@@ -15,6 +15,7 @@
 //! | [`analysis_text`] | what `analyze` says at the end |
 //! | [`drawing`] | the figures of `plot` and `analyze` |
 //! | [`mod@crosscheck`] | forces against MuJoCo |
+//! | [`push`] | how hard a standing body can be pushed |
 //! | [`convert`] | one format to another |
 //! | [`output`] | all files or none |
 //! | [`progress`] | the bar |
@@ -32,6 +33,7 @@ mod inspect;
 mod output;
 mod plot;
 mod progress;
+mod push;
 mod render;
 mod summary;
 
@@ -48,6 +50,7 @@ fn main() -> ExitCode {
         Command::Plot(args) => plot::run(&args),
         Command::Analyze(args) => analyze::run(&args),
         Command::Crosscheck(args) => crosscheck::run(&args),
+        Command::Push(args) => push::run(&args),
         Command::Convert(args) => convert::run(&args),
     };
     match done {

@@ -14,6 +14,8 @@ mod inspect;
 mod place;
 #[path = "cli/plot.rs"]
 mod plot;
+#[path = "cli/push.rs"]
+mod push;
 #[path = "cli/render.rs"]
 mod render;
 #[path = "cli/report.rs"]

@@ -18,6 +18,7 @@
 //! | [`momentum`] | linear and angular momentum |
 //! | [`torque`] | torques of the joints that work hardest, over their noise |
 //! | [`energy`] | energies, and the power of the joints |
+//! | [`polar`] | push-recovery maps: impulse survived per direction, against the limit |
 //! | [`excerpt`] | a span of a trace, chosen joints |
 //! | [`camera`], [`solid`] | who looks at them, and how shapes become polygons |
 //! | [`panel`] | axes, curves, legends, pages of small multiples |
@@ -39,6 +40,7 @@ pub mod graded;
 pub mod momentum;
 pub mod overlay;
 pub mod panel;
+pub mod polar;
 pub mod residual;
 pub mod solid;
 pub mod strip;
@@ -56,6 +58,7 @@ pub use gains::gains_and_torques;
 pub use graded::graded_residual;
 pub use momentum::momenta;
 pub use overlay::{Witness, WitnessKind, contact_overlay};
+pub use polar::{Spoke, push_map};
 pub use residual::momentum_residual;
 pub use strip::{StripOptions, StripRow, film_strip, film_strip_with};
 pub use torque::joint_torques;

@@ -449,7 +449,7 @@ fn grow([lo, hi]: [f64; 2], size: f64) -> [f64; 2] {
 }
 
 /// A round step that cuts `span` into about `count` parts.
-fn step(span: f64, count: f64, degrees: bool) -> f64 {
+pub(crate) fn step(span: f64, count: f64, degrees: bool) -> f64 {
     let raw = span / count.max(1.0);
     let decade = 10f64.powf(raw.log10().floor());
     if degrees && (5.0..180.0).contains(&raw) {
@@ -465,7 +465,7 @@ fn ticks([lo, hi]: [f64; 2], step: f64) -> Vec<f64> {
 }
 
 /// A tick's number with as many decimals as its step needs and a true minus sign.
-fn number(value: f64, step: f64) -> String {
+pub(crate) fn number(value: f64, step: f64) -> String {
     let decimals = (-step.log10().floor()).clamp(0.0, 9.0) as usize;
     let text = format!("{value:.decimals$}");
     match text.strip_prefix('-') {

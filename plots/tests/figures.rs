@@ -7,9 +7,10 @@ use std::path::{Path, PathBuf};
 
 use dynamics::{AnalysisOptions, Ground, GroundForces, RootMode, Trace, analyze};
 use motion::smooth::Smoothing;
+use plots::figure::Mark;
 use plots::{
-    Excerpt, Figure, StripOptions, StripRow, Witness, WitnessKind, contact_overlay, film_strip_with,
-    graded_residual,
+    Excerpt, Figure, Spoke, StripOptions, StripRow, Witness, WitnessKind, contact_overlay, film_strip_with,
+    graded_residual, push_map, style,
 };
 
 fn directory(name: &str) -> PathBuf {
@@ -65,6 +66,43 @@ fn strip(count: usize) -> Figure {
     film_strip_with(&rows, &character, "bow: succession", &options)
 }
 
+/// A map of some directions, three times the limit at most, in one of them nothing known.
+fn spokes(count: usize) -> Vec<Spoke> {
+    let of = |i: usize| {
+        let deg = 360.0 * i as f64 / count as f64;
+        let limit = 40.0 + 10.0 * (2.0 * deg.to_radians()).sin().abs();
+        let survived = if i == 5 { f64::NAN } else { limit * (0.2 + 2.8 * deg / 360.0) };
+        Spoke { deg, survived, limit }
+    };
+    (0..count).map(of).collect()
+}
+
+/// A newton-second is as long in every direction; forward is up, left on the left.
+#[test]
+fn a_map_is_to_scale() {
+    let blue = |spokes: &[Spoke]| -> Vec<[f64; 4]> {
+        let marks = push_map(spokes, "").marks;
+        let discs = marks.into_iter().filter(
+            |m| matches!(m, Mark::Fill { points, color } if points.len() == 20 && *color == style::BLUE),
+        );
+        discs.map(|m| Figure::bounds(&m)).collect()
+    };
+    let spokes: Vec<Spoke> = [(0.0, 20.0), (90.0, 40.0), (180.0, 30.0), (270.0, 10.0)]
+        .map(|(deg, survived)| Spoke { deg, survived, limit: 25.0 })
+        .to_vec();
+    let at: Vec<[f64; 2]> =
+        blue(&spokes).iter().map(|b| [0.5 * (b[0] + b[2]), 0.5 * (b[1] + b[3])]).collect();
+    let [forward, left, back, right] = at[..] else { panic!("{at:?}") };
+    assert!(forward[1] < back[1] && left[0] < right[0], "{at:?}");
+    let (across, along) = (right[0] - left[0], back[1] - forward[1]);
+    // both are 50 N·s
+    assert!((across - along).abs() < 1e-6 && across > 200.0, "{at:?}");
+    assert!((left[1] - right[1]).abs() < 1e-6 && (forward[0] - back[0]).abs() < 1e-6, "{at:?}");
+    let center = [forward[0], left[1]];
+    assert!(((center[0] - left[0]) / across - 0.8).abs() < 1e-6, "{at:?}");
+    assert!(((center[1] - forward[1]) / along - 0.4).abs() < 1e-6, "{at:?}");
+}
+
 fn figures() -> Vec<(&'static str, Figure)> {
     let character = sample::human();
     let clip = sample::bow(&character, 0.2);
@@ -74,6 +112,9 @@ fn figures() -> Vec<(&'static str, Figure)> {
     all.push(("strip", strip(8)));
     let options = StripOptions { count: 6, ..StripOptions::default() };
     all.push(("walk", film_strip_with(&walking, &character, "a motion that travels", &options)));
+    all.push(("push", push_map(&spokes(16), "stand: pushed at its centre of mass")));
+    all.push(("push_one", push_map(&spokes(1), "")));
+    all.push(("push_many", push_map(&spokes(120), &"a long note ".repeat(30))));
     all
 }
 
@@ -131,6 +172,9 @@ fn svg_is_well_formed_and_has_units() {
             "energies" => &["J", "W", "time (s)"],
             "residual" => &["Residual:", "good: up to 10 N, 50 N·m", "time (s)"],
             "contact" => &["total · vertical", "RMS", "body weight", "leg_l", "time (s)"],
+            "push" => &["N·s", "20 %", "forward", "left", "back", "right", "stand"],
+            "push_one" => &["N·s", "forward", "20 %"],
+            "push_many" => &["N·s", "back"],
             "strip" => &["unedited", "edited", "0.00 s"],
             _ => &["walk"],
         };

@@ -12,6 +12,7 @@
 //! | [`export`] | a body as MJCF |
 //! | [`inspect`] | what is in a file |
 //! | [`overrides`] | numbers of the dynamic pass given beside the file |
+//! | [`push`] | the push-recovery map of a standing body |
 //! | [`report`] | the numbers of a run |
 //! | [`study`] | a trace, clip or scene to be analysed and drawn |
 //! | [`study_report`] | the numbers of an analysis |
@@ -26,6 +27,7 @@ pub mod error;
 pub mod export;
 pub mod inspect;
 pub mod overrides;
+pub mod push;
 pub mod report;
 pub mod scene;
 pub mod schema;

@@ -184,6 +184,21 @@ impl<E: Engine> Run<E> {
         self.controller.goal().rows()
     }
 
+    /// Everything recorded so far.
+    pub fn trace(&self) -> &Trace {
+        &self.recorder.trace
+    }
+
+    /// When the body fell, s; `None` if it has not yet.
+    pub fn fell_s(&self) -> Option<f64> {
+        self.fell_s
+    }
+
+    /// Why the run stopped early, if it did.
+    pub fn diverged(&self) -> Option<&WorldError> {
+        self.diverged.as_ref()
+    }
+
     /// Controls, simulates and records one step; `false` when the run is over.
     ///
     /// # Errors
