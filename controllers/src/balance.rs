@@ -7,7 +7,14 @@
 //! 2. *Support load*: the legs carry the body as it is now. RNEA at the simulated pose with the ground
 //!    reaction at a centre of pressure `c + g_p e + g_d ė/ω₀`, clamped inside the soles, split between the
 //!    feet (see [`crate::support`]).
-//! 3. *Ankle limit*: the torque of each ankle is limited so that its own centre of pressure stays
+//! 3. *Weight shift* between two feet, for what goes along the line between them (unit n). Two legs and a
+//!    pelvis are a parallelogram there: its springs and dampers would pull an unloaded foot along. So the
+//!    legs let the pelvis go (their goals and rates take on its own way along n) and answer through the
+//!    ground alone: centre of pressure `c + g_p e + g_d ė/ω₀` with gains of its own, and with it the
+//!    horizontal force m ω₀² (c − p) that points to the centre of mass, so that the trunk is not turned.
+//!    Pressure moves under both soles and between the feet in proportion, so that both come to their ends
+//!    together; stiffness and damping follow the load.
+//! 4. *Ankle limit*: the torque of each ankle is limited so that its own centre of pressure stays
 //!    inside its sole; a stiff ankle would tip the foot.
 //!
 //! In: state, goal pose, feet. Out: drives of the legs. No clock and no engine; the integral is its only
@@ -17,11 +24,12 @@ use dynamics::{Model, State};
 use motion::Vec3;
 use motion::ik::IkError;
 use motion::plant::{Plant, plant};
+use motion::rotation::log;
 use motion::skeleton::{quat_at, vec_at};
 use motion::support::{Support, Vec2, ground};
 
 use crate::antagonist::SetPoints;
-use crate::support::{Foot, clamp_inside, polygon, shares, wrenches};
+use crate::support::{Foot, clamp_inside, polygon, shared_wrenches, shares};
 use crate::{Drive, Rest, rest_of};
 
 /// Parameters of the balance property.
@@ -41,6 +49,21 @@ pub struct BalanceSettings {
     pub pressure_damping: f64,
     /// The centre of pressure stays this far inside the soles, m.
     pub margin_m: f64,
+    /// Weight shift between two feet against errors along the line between them. Off (default), the legs
+    /// answer them like any other; on, pushes to the side are survived longer, but halving the step of a
+    /// bow changes the run by 0.70 of the halving before, where first order means half.
+    pub weight_shift: bool,
+    /// Centre-of-pressure shift per centre-of-mass error along the line between the feet, m/m, with
+    /// [`Self::weight_shift`]; higher returns sooner, too high lifts the foot that is left.
+    pub weight: f64,
+    /// The same per velocity over ω₀, m/m; 1 holds the capture point where it is, more brings it back.
+    pub weight_damping: f64,
+    /// How far the legs let the pelvis go along the line between the feet instead of pulling it back with
+    /// their springs, in [0, 1], with [`Self::weight_shift`]; lower drags the unloaded foot sooner.
+    pub weight_yield: f64,
+    /// Least part of its evenly shared stiffness and damping a leg keeps when its foot is unloaded, in
+    /// [0, 1], with [`Self::weight_shift`]; lower leaves it limp, 1 does not shift them.
+    pub least_share: f64,
 }
 
 impl Default for BalanceSettings {
@@ -53,6 +76,11 @@ impl Default for BalanceSettings {
             pressure: 0.3,
             pressure_damping: 0.8,
             margin_m: 0.01,
+            weight_shift: false,
+            weight: 1.5,
+            weight_damping: 2.5,
+            weight_yield: 1.0,
+            least_share: 0.25,
         }
     }
 }
@@ -76,6 +104,7 @@ pub struct Balance {
     state: State,
     tau: Vec<f64>,
     goal: Vec<f64>,
+    ahead: Vec<f64>,
     still: Vec<f64>,
 }
 
@@ -90,6 +119,7 @@ impl Balance {
             state: State::new(model),
             tau: vec![0.0; model.nv()],
             goal: model.skeleton.zero_pose(),
+            ahead: model.skeleton.zero_pose(),
             still: vec![0.0; model.nv()],
         }
     }
@@ -140,34 +170,56 @@ impl Balance {
         self.integral += error * (s.shift_rate * dt);
         self.integral = limit(self.integral, s.shift_limit_m);
         let shift = limit(-(error * s.shift + rate * s.shift_damping) - self.integral, s.shift_limit_m);
-        let root = skeleton.position(goal_q, 0) + Vec3::new(shift.x, 0.0, shift.y);
+        let centers: Vec<Vec3> = self.feet.iter().map(|f| f.center(model, &self.state)).collect();
+        let line =
+            if s.weight_shift { Line::between(&self.feet, &centers, model, &self.state) } else { None };
+        let along = |x: Vec2| line.as_ref().map_or(Vec2::zeros(), |l| l.part(x));
+        let root = skeleton.position(goal_q, 0);
+        let gone = along(ground(&(skeleton.position(q, 0) - root))) * s.weight_yield;
+        let shift = shift - along(shift) * s.weight_yield + gone;
+        let root = root + Vec3::new(shift.x, 0.0, shift.y);
         skeleton.set_position(&mut self.goal, 0, &root);
         plant(skeleton, &mut self.goal, &self.plants)?;
+        let going = along(ground(&vec_at(v, 0))) * (s.weight_yield * AHEAD);
+        self.ahead.copy_from_slice(&self.goal);
+        if line.is_some() {
+            skeleton.set_position(&mut self.ahead, 0, &(root + Vec3::new(going.x, 0.0, going.y)));
+            plant(skeleton, &mut self.ahead, &self.plants)?;
+        }
 
         // the legs carry the body as it stands
-        let pressure = ground(&com) + error * s.pressure + rate * s.pressure_damping;
+        let pressure = ground(&com)
+            + error * s.pressure
+            + rate * s.pressure_damping
+            + along(error) * (s.weight - s.pressure)
+            + along(rate) * (s.weight_damping - s.pressure_damping);
         let pressure = clamp_inside(&support, pressure, s.margin_m);
         let force = (Vec3::y() * lift - model.gravity) * model.mass;
-        let force = if force.y > 0.0 { force } else { Vec3::zeros() };
+        let mut force = if force.y > 0.0 { force } else { Vec3::zeros() };
+        let thrust = along(ground(&com) - pressure) * (force.y * omega * omega / g);
+        force += Vec3::new(thrust.x, 0.0, thrust.y);
         self.state.update(model, q, &self.still);
-        let loads = wrenches(&self.feet, model, &self.state, pressure, force);
+        let shares = shares(&centers, line.as_ref().map_or(pressure, |l| l.sharing(pressure)));
+        let loads = shared_wrenches(&self.feet, &centers, &shares, pressure, force);
         self.state.inverse_dynamics(model, &self.still, &self.still, &loads, &mut self.tau);
-        let centers: Vec<Vec3> = self.feet.iter().map(|f| f.center(model, &self.state)).collect();
-        let shares = shares(&centers, pressure);
 
         for (f, foot) in self.feet.iter().enumerate() {
+            let even = shares[f] * self.feet.len() as f64;
+            let part = if line.is_some() { s.least_share + (1.0 - s.least_share) * even } else { 1.0 };
             for link in [foot.limb.upper, foot.limb.lower, foot.limb.end] {
                 let body = model.body_of[link].0;
                 let b = &model.bodies[body];
-                let muscle = muscles[body];
-                let rate = dynamics::rnea::joint_force(&b.joint, goal_v, b.v_at) * muscle.damping;
-                let load = -dynamics::rnea::joint_force(&b.joint, &self.tau, b.v_at) - rate;
+                let LegMuscle { stiffness, damping } = muscles[body];
+                let (stiffness, damping) = (stiffness * part, damping * part);
                 let target = rest_of(model, body, &self.goal);
-                drives[body] = Drive {
-                    stiffness: muscle.stiffness,
-                    damping: muscle.damping,
-                    rest: set_points[body].rest(&target, load, muscle.stiffness),
-                };
+                let mut rate = dynamics::rnea::joint_force(&b.joint, goal_v, b.v_at);
+                if line.is_some() {
+                    rate += rate_between(&target, &rest_of(model, body, &self.ahead));
+                }
+                let rate = rate * damping;
+                let load = -dynamics::rnea::joint_force(&b.joint, &self.tau, b.v_at) - rate;
+                drives[body] =
+                    Drive { stiffness, damping, rest: set_points[body].rest(&target, load, stiffness) };
             }
             let ankle = model.body_of[foot.limb.end].0;
             self.limit_ankle(model, ankle, foot, force.y * shares[f], q, v, &mut drives[ankle]);
@@ -209,6 +261,56 @@ impl Balance {
         world.z = -r.x * force;
         let torque = zero.transpose() * world + omega * drive.damping;
         drive.rest = Rest::Ball { target: now, shift: torque / drive.stiffness };
+    }
+}
+
+/// Time by which the pelvis is moved on to find the joint rates of its path, s.
+const AHEAD: f64 = 1e-4;
+
+/// Rate that leads from one rest to another in [`AHEAD`] seconds, zero frame.
+fn rate_between(from: &Rest, to: &Rest) -> Vec3 {
+    match (from, to) {
+        (Rest::Scalar(a), Rest::Scalar(b)) => Vec3::x() * ((b - a) / AHEAD),
+        (Rest::Ball { target: a, .. }, Rest::Ball { target: b, .. }) => log(&(b * a.inverse())) / AHEAD,
+        _ => Vec3::zeros(),
+    }
+}
+
+/// The line between two feet, on the ground.
+struct Line {
+    middle: Vec2,
+    along: Vec2,
+    /// Fraction of a shift of pressure that happens under each sole; the rest is weight that changes feet.
+    rolling: f64,
+}
+
+impl Line {
+    /// `None` unless there are two feet apart.
+    fn between(feet: &[Foot], centers: &[Vec3], model: &Model, state: &State) -> Option<Self> {
+        let [a, b] = centers else { return None };
+        let (a, b) = (ground(a), ground(b));
+        let half = 0.5 * (b - a).norm();
+        let along = (b - a).try_normalize(1e-6)?;
+        let reach = |foot: &Foot, center: Vec2| {
+            let beyond = foot
+                .corners
+                .iter()
+                .map(|(link, at)| (ground(&state.point(model, *link, at)) - center).dot(&along).abs());
+            beyond.fold(0.0, f64::max)
+        };
+        let sole = 0.5 * (reach(&feet[0], a) + reach(&feet[1], b));
+        Some(Self { middle: (a + b) * 0.5, along, rolling: sole / (sole + half) })
+    }
+
+    /// Part of `x` along the line.
+    fn part(&self, x: Vec2) -> Vec2 {
+        self.along * self.along.dot(&x)
+    }
+
+    /// The point whose distances share the weight for a centre of pressure `p`: both soles and the shares
+    /// reach their ends together, so the foot that is left keeps weight as long as it can.
+    fn sharing(&self, p: Vec2) -> Vec2 {
+        p - self.part(p - self.middle) * self.rolling
     }
 }
 

@@ -107,10 +107,21 @@ pub fn shares(centers: &[Vec3], cop: Vec2) -> Vec<f64> {
 pub fn wrenches(feet: &[Foot], model: &Model, state: &State, cop: Vec2, force: Vec3) -> Vec<Wrench> {
     let centers: Vec<Vec3> = feet.iter().map(|f| f.center(model, state)).collect();
     let shares = shares(&centers, cop);
-    let mean: Vec2 = centers.iter().zip(&shares).map(|(c, w)| ground(c) * *w).sum();
+    shared_wrenches(feet, &centers, &shares, cop, force)
+}
+
+/// [`wrenches`] with the share of each foot given (they sum to 1) and the `centers` of the soles, m.
+pub fn shared_wrenches(
+    feet: &[Foot],
+    centers: &[Vec3],
+    shares: &[f64],
+    cop: Vec2,
+    force: Vec3,
+) -> Vec<Wrench> {
+    let mean: Vec2 = centers.iter().zip(shares).map(|(c, w)| ground(c) * *w).sum();
     let offset = cop - mean;
     feet.iter()
-        .zip(centers.iter().zip(&shares))
+        .zip(centers.iter().zip(shares))
         .map(|(foot, (center, share))| Wrench {
             link: foot.limb.end,
             point: center + Vec3::new(offset.x, 0.0, offset.y),
