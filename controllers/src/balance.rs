@@ -50,8 +50,9 @@ pub struct BalanceSettings {
     /// The centre of pressure stays this far inside the soles, m.
     pub margin_m: f64,
     /// Weight shift between two feet against errors along the line between them. Off (default), the legs
-    /// answer them like any other; on, pushes to the side are survived longer, but halving the step of a
-    /// bow changes the run by 0.70 of the halving before, where first order means half.
+    /// answer them like any other. On, pushes to the side and diagonal ones are survived to 85 % of the
+    /// limit instead of 60 to 64 %, but a bow no longer converges cleanly: halving its step changes the run by
+    /// about 0.7 of the halving before, where first order means half.
     pub weight_shift: bool,
     /// Centre-of-pressure shift per centre-of-mass error along the line between the feet, m/m, with
     /// [`Self::weight_shift`]; higher returns sooner, too high lifts the foot that is left.
