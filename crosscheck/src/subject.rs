@@ -69,6 +69,11 @@ pub enum CrossCheckError {
     /// A model file.
     #[error(transparent)]
     Import(#[from] ImportError),
+    /// Something else than what can be compared.
+    #[error(
+        "{0}: cannot compare this; allowed: a scene or character (.ron), a clip (.bvh), a physics model (MJCF .xml, .urdf)"
+    )]
+    Kind(String),
     /// A fault that cannot be put in.
     #[error("--inject: {0}")]
     Inject(#[from] InjectionError),
@@ -102,7 +107,13 @@ impl CrossCheckError {
     pub fn is_input(&self) -> bool {
         matches!(
             self,
-            Self::Stage(_) | Self::Import(_) | Self::Inject(_) | Self::Against { .. } | Self::Mjcf(_)
+            Self::Stage(_)
+                | Self::Import(_)
+                | Self::Kind(_)
+                | Self::Inject(_)
+                | Self::Against { .. }
+                | Self::Mjcf(_)
+                | Self::Bridge(BridgeError::Joints(_))
         )
     }
 }
@@ -247,7 +258,8 @@ fn open(path: &Path, options: &Options) -> Result<Subject, CrossCheckError> {
             Some(character) => Ok(Subject::Character(character)),
             None => Ok(Subject::Stage(Box::new(stage_of(path, None)?))),
         },
-        _ => Ok(Subject::Stage(Box::new(stage_of(path, None)?))),
+        Some("bvh") => Ok(Subject::Stage(Box::new(stage_of(path, None)?))),
+        _ => Err(CrossCheckError::Kind(path.display().to_string())),
     }
 }
 

@@ -94,6 +94,9 @@ fn a_changed_file_is_named() {
 fn bad_input_is_told() {
     let place = place();
     assert_eq!(check(&place, &[]).code, 0);
+    let hinge = r#"<joint name="hinge" type="hinge" axis="0 1 0"/>"#;
+    assert!(MODEL.contains(hinge));
+    place.write("welded.xml", &MODEL.replace(hinge, ""));
     let before = place.files("out");
     for (args, words) in [
         (vec!["--inject", "mass:rd*1.01"], "unknown link `rd`; did you mean `rod`?"),
@@ -101,6 +104,11 @@ fn bad_input_is_told() {
         (vec!["--inject", "axis:box=0,0,1"], "the joint of `box` has no axis to turn"),
         (vec!["--states", "0"], "allowed: a whole number from 1 to 100000"),
         (vec!["--against", "none.xml"], "none.xml"),
+        (
+            vec!["--against", "none.fbx"],
+            "none.fbx: cannot compare this; allowed: a scene or character (.ron)",
+        ),
+        (vec!["--against", "welded.xml"], "ours has 2 moving joints, MuJoCo's 1"),
     ] {
         let args: Vec<&str> = args;
         let done = if args[0] == "--states" {
