@@ -49,11 +49,14 @@ pub struct BalanceSettings {
     pub pressure_damping: f64,
     /// The centre of pressure stays this far inside the soles, m.
     pub margin_m: f64,
-    /// Weight shift between two feet against errors along the line between them. Off (default), the legs
-    /// answer them like any other. On, pushes to the side and diagonal ones are survived to 85 % of the
-    /// limit instead of 60 to 64 %, but a bow no longer converges cleanly: halving its step changes the run by
-    /// about 0.7 of the halving before, where first order means half.
+    /// Weight shift between two feet against errors along the line between them. Off, the legs answer them
+    /// like any other, and pushes to the side drag the foot that lost its load.
     pub weight_shift: bool,
+    /// Error of the capture point along the line between the feet at which the weight shift begins, m;
+    /// lower reaches into quiet motion.
+    pub weight_from_m: f64,
+    /// Error at which it acts whole, m; nearer to [`Self::weight_from_m`] is more abrupt.
+    pub weight_full_m: f64,
     /// Centre-of-pressure shift per centre-of-mass error along the line between the feet, m/m, with
     /// [`Self::weight_shift`]; higher returns sooner, too high lifts the foot that is left.
     pub weight: f64,
@@ -77,7 +80,9 @@ impl Default for BalanceSettings {
             pressure: 0.3,
             pressure_damping: 0.8,
             margin_m: 0.01,
-            weight_shift: false,
+            weight_shift: true,
+            weight_from_m: 0.015,
+            weight_full_m: 0.025,
             weight: 1.5,
             weight_damping: 2.5,
             weight_yield: 1.0,
@@ -174,7 +179,10 @@ impl Balance {
         let centers: Vec<Vec3> = self.feet.iter().map(|f| f.center(model, &self.state)).collect();
         let line =
             if s.weight_shift { Line::between(&self.feet, &centers, model, &self.state) } else { None };
-        let along = |x: Vec2| line.as_ref().map_or(Vec2::zeros(), |l| l.part(x));
+        // quiet standing is left to the springs: it fades in with the capture point's error along the line
+        let fade = line.as_ref().map_or(0.0, |l| s.fade(l.along.dot(&(error + rate))));
+        let line = line.filter(|_| fade > 0.0);
+        let along = |x: Vec2| line.as_ref().map_or(Vec2::zeros(), |l| l.part(x)) * fade;
         let root = skeleton.position(goal_q, 0);
         let gone = along(ground(&(skeleton.position(q, 0) - root))) * s.weight_yield;
         let shift = shift - along(shift) * s.weight_yield + gone;
@@ -200,13 +208,14 @@ impl Balance {
         let thrust = along(ground(&com) - pressure) * (force.y * omega * omega / g);
         force += Vec3::new(thrust.x, 0.0, thrust.y);
         self.state.update(model, q, &self.still);
-        let shares = shares(&centers, line.as_ref().map_or(pressure, |l| l.sharing(pressure)));
+        let sharing = line.as_ref().map_or(pressure, |l| l.sharing(pressure));
+        let shares = shares(&centers, pressure + (sharing - pressure) * fade);
         let loads = shared_wrenches(&self.feet, &centers, &shares, pressure, force);
         self.state.inverse_dynamics(model, &self.still, &self.still, &loads, &mut self.tau);
 
         for (f, foot) in self.feet.iter().enumerate() {
             let even = shares[f] * self.feet.len() as f64;
-            let part = if line.is_some() { s.least_share + (1.0 - s.least_share) * even } else { 1.0 };
+            let part = 1.0 + fade * (1.0 - s.least_share) * (even - 1.0);
             for link in [foot.limb.upper, foot.limb.lower, foot.limb.end] {
                 let body = model.body_of[link].0;
                 let b = &model.bodies[body];
@@ -312,6 +321,14 @@ impl Line {
     /// reach their ends together, so the foot that is left keeps weight as long as it can.
     fn sharing(&self, p: Vec2) -> Vec2 {
         p - self.part(p - self.middle) * self.rolling
+    }
+}
+
+impl BalanceSettings {
+    /// How much of the weight shift acts at a capture-point error of `x` metres: 0 to 1, smooth.
+    fn fade(&self, x: f64) -> f64 {
+        let t = ((x.abs() - self.weight_from_m) / (self.weight_full_m - self.weight_from_m)).clamp(0.0, 1.0);
+        t * t * (3.0 - 2.0 * t)
     }
 }
 
