@@ -3,7 +3,7 @@
 use std::fmt::Write;
 use std::path::Path;
 
-use scenes::report::{DynamicReport, FeetReport, StiffnessReport};
+use scenes::report::{DynamicReport, FeetReport, LegTensionReport, StiffnessReport};
 use scenes::{Report, Stage};
 
 use crate::output::PLOTS;
@@ -82,7 +82,11 @@ fn verdict(report: &Report) -> String {
         None => format!("{name}: the motion asked for; no physics"),
         Some(d) => match (&d.diverged, d.fell_at_s) {
             (Some(why), _) => format!("{name}: FAILED, {why}"),
-            (None, Some(at)) => format!("{name}: THE BODY FELL at {at:.2} s"),
+            (None, Some(at)) => {
+                let cause = d.fall.as_ref().and_then(|f| f.losses.first());
+                let cause = cause.map_or(String::new(), |c| format!(": {}", c.text));
+                format!("{name}: THE BODY FELL at {at:.2} s{cause}")
+            }
             (None, None) if d.root.mode == "pinned" => format!("{name}: performed, root pinned"),
             (None, None) => format!("{name}: performed, the body stands"),
         },
@@ -110,6 +114,13 @@ fn performed(out: &mut String, d: &DynamicReport) -> std::fmt::Result {
         );
         line(out, "residual", text)?;
     }
+    for (i, loss) in d.fall.iter().flat_map(|f| &f.losses).enumerate() {
+        line(
+            out,
+            if i == 0 { "FELL" } else { "" },
+            format!("{}{}", if i == 0 { "" } else { "then " }, loss.text),
+        )?;
+    }
     line(
         out,
         "muscles",
@@ -128,6 +139,25 @@ fn performed(out: &mut String, d: &DynamicReport) -> std::fmt::Result {
             "tension 1 is {:.2} N·m/rad at {} to {:.0} N·m/rad at {}",
             softest.natural_nm_rad, softest.joint, stiffest.natural_nm_rad, stiffest.joint
         );
+        line(out, "", text)?;
+    }
+    let of_legs =
+        |l: &&LegTensionReport| d.leg_tension[0].asked == l.asked && d.leg_tension[0].used == l.used;
+    if let Some(first) = d.leg_tension.first() {
+        let (word, why) = if first.used > first.asked {
+            ("RAISED", "they would not stand with less")
+        } else {
+            ("lowered", "the soles cannot pass on more")
+        };
+        let mut text = format!(
+            "stance legs' tension {word} from {} to {} ({:+.0} %): {why}",
+            number(first.asked),
+            number(first.used),
+            100.0 * (first.used / first.asked - 1.0)
+        );
+        if d.leg_tension.iter().filter(of_legs).count() < d.leg_tension.len() {
+            text += "; each joint in report.json";
+        }
         line(out, "", text)?;
     }
     line(

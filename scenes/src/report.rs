@@ -4,6 +4,7 @@
 //! serialises to JSON. Every unit is in its field's name. The schema is documented in `docs/REPORT.md`:
 //! fields are only ever added.
 
+use dynamics::fall::{Fall, Loss};
 use dynamics::{JointClass, RootMode, Trace};
 use motion::format::bvh::Chosen;
 use motion::metrics::{self, FeetMetrics, JointError};
@@ -143,6 +144,8 @@ pub struct DynamicReport {
     pub fell: bool,
     /// When, s.
     pub fell_at_s: Option<f64>,
+    /// How, if it did.
+    pub fall: Option<FallReport>,
     /// Why the run stopped early, if it did.
     pub diverged: Option<String>,
     /// RMS angle to the motion asked for, over all joints but wrists, degrees.
@@ -168,6 +171,67 @@ pub struct DynamicReport {
     pub contact: ContactReport,
     /// Joints too slack for what they had to hold.
     pub sagging: Vec<SaggingReport>,
+    /// Joints of stance legs whose tension is not what was asked: raised because less does not stand, or lowered
+    /// because the soles cannot pass on more.
+    pub leg_tension: Vec<LegTensionReport>,
+}
+
+/// A fall, see [`dynamics::fall`].
+#[derive(Clone, Debug, Serialize)]
+pub struct FallReport {
+    /// When something else than a foot came to carry load, or the body was low, s.
+    pub at_s: f64,
+    /// The margin lost first, in words; null if none was.
+    pub cause: Option<String>,
+    /// When, s.
+    pub cause_at_s: Option<f64>,
+    /// All margins lost for good, in order of loss.
+    pub losses: Vec<LossReport>,
+}
+
+/// A margin lost.
+#[derive(Clone, Debug, Serialize)]
+pub struct LossReport {
+    /// `capture point`, `centre of mass`, `foot slipped`, `foot lifted`, `joint limit` or `slack muscle`.
+    pub margin: &'static str,
+    /// When, s.
+    pub at_s: f64,
+    /// The foot or joint; null for the first two.
+    pub link: Option<String>,
+    /// In words.
+    pub text: String,
+}
+
+impl FallReport {
+    fn new(fall: &Fall) -> Self {
+        let loss = |l: &Loss| LossReport {
+            margin: l.margin.name(),
+            at_s: l.time_s,
+            link: l.link.clone(),
+            text: l.to_string(),
+        };
+        Self {
+            at_s: fall.time_s,
+            cause: fall.cause().map(|l| l.margin.name().to_owned()),
+            cause_at_s: fall.cause().map(|l| l.time_s),
+            losses: fall.losses.iter().map(loss).collect(),
+        }
+    }
+}
+
+/// Tension of a joint of a stance leg that is not what was asked.
+#[derive(Clone, Debug, Serialize)]
+pub struct LegTensionReport {
+    /// The joint.
+    pub joint: String,
+    /// Tension asked for.
+    pub asked: f64,
+    /// Tension used.
+    pub used: f64,
+    /// Stiffness asked for, N·m/rad.
+    pub asked_nm_rad: f64,
+    /// Stiffness used, N·m/rad.
+    pub used_nm_rad: f64,
 }
 
 /// Stiffness of one joint.
@@ -284,7 +348,11 @@ impl Report {
 fn feet(stage: &Stage, clip: &Clip) -> FeetMetrics {
     let c = &stage.character;
     let sites: Vec<_> = c.contacts.iter().map(|&i| &c.skeleton.sites()[i]).collect();
-    metrics::feet(clip, &sites, stage.physics.ground.map_or(0.0, |g| g.height_m))
+    let Some(ground) = stage.physics.ground else { return metrics::feet(clip, &sites, 0.0) };
+    if ground.up == Vec3::y() {
+        return metrics::feet(clip, &sites, ground.height_m);
+    }
+    metrics::feet(&crate::stage::levelled(clip, &ground), &sites, ground.height_m)
 }
 
 fn dynamic(stage: &Stage, o: &Outcome) -> DynamicReport {
@@ -305,6 +373,7 @@ fn dynamic(stage: &Stage, o: &Outcome) -> DynamicReport {
         realtime_factor: simulated / t.wall_s.max(1e-9),
         fell: o.fell_s.is_some(),
         fell_at_s: o.fell_s,
+        fall: o.fall.as_ref().map(FallReport::new),
         diverged: o.diverged.as_ref().map(ToString::to_string),
         joint_rms_deg: metrics::joint_rms_deg(counted.iter().copied()),
         worst_joints: worst
@@ -333,6 +402,17 @@ fn dynamic(stage: &Stage, o: &Outcome) -> DynamicReport {
         feet: feet(stage, clip).into(),
         contact: contact(t),
         sagging: sagging(stage, o),
+        leg_tension: o
+            .leg_tension
+            .iter()
+            .map(|l| LegTensionReport {
+                joint: c.skeleton.links()[l.link].name.clone(),
+                asked: l.asked,
+                used: l.used,
+                asked_nm_rad: l.asked * l.natural,
+                used_nm_rad: l.used * l.natural,
+            })
+            .collect(),
     }
 }
 
