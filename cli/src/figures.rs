@@ -83,7 +83,8 @@ fn note(stage: &Stage, outcome: &Outcome) -> String {
         scenes::RootMode::Pinned => "pinned",
     };
     let tension = stage.physics.tension;
-    format!("{}: tension {tension}, root {root}, {} Hz, {} substeps", stage.name, t.rate_hz, t.substeps)
+    let end = outcome.fall.as_ref().map_or(String::new(), |fall| format!("; {fall}"));
+    format!("{}: tension {tension}, root {root}, {} Hz, {} substeps{end}", stage.name, t.rate_hz, t.substeps)
 }
 
 /// As the scene wants its strips.

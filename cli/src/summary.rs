@@ -3,7 +3,7 @@
 use std::fmt::Write;
 use std::path::Path;
 
-use scenes::report::{DynamicReport, FeetReport, LegTensionReport, StiffnessReport};
+use scenes::report::{DisturbanceReport, DynamicReport, FeetReport, LegTensionReport, StiffnessReport};
 use scenes::{Report, Stage};
 
 use crate::output::PLOTS;
@@ -60,6 +60,7 @@ fn write(out: &mut String, stage: &Stage, report: &Report, dir: &Path) -> std::f
         );
         line(out, "edits", text)?;
     }
+    disturbed(out, &report.disturbances)?;
     if let Some(d) = &report.dynamic {
         performed(out, d)?;
     }
@@ -72,6 +73,28 @@ fn write(out: &mut String, stage: &Stage, report: &Report, dir: &Path) -> std::f
     }
     for (i, name) in files.iter().enumerate() {
         line(out, if i == 0 { "files" } else { "" }, dir.join(name).display().to_string())?;
+    }
+    Ok(())
+}
+
+fn disturbed(out: &mut String, d: &DisturbanceReport) -> std::fmt::Result {
+    let mut lines = Vec::new();
+    if let (Some(tilt), Some(friction)) = (d.ground_tilt_deg, d.ground_friction)
+        && tilt > 0.0
+    {
+        lines.push(format!("ground tilted by {}°, friction {}", number(tilt), number(friction)));
+    }
+    lines.extend(d.pushes.iter().map(|p| {
+        let size = p.impulse_ns.iter().map(|x| x * x).sum::<f64>().sqrt();
+        format!("{} is pushed by {size:.1} N·s at {:.2} s for {} s", p.link, p.start_s, number(p.duration_s))
+    }));
+    lines.extend(d.carried.iter().map(|c| {
+        let to = c.to_s.map_or(String::new(), |t| format!(" to {t:.2} s"));
+        let known = if c.known { "known" } else { "a surprise" };
+        format!("{} carries {} kg from {:.2} s{to}: {known}", c.link, number(c.mass_kg), c.from_s)
+    }));
+    for (i, text) in lines.iter().enumerate() {
+        line(out, if i == 0 { "disturbed" } else { "" }, text)?;
     }
     Ok(())
 }

@@ -82,20 +82,20 @@ pub struct Loss {
     pub margin: Margin,
     /// When, s.
     pub time_s: f64,
-    /// The foot or joint, by the name of its link.
-    pub link: Option<String>,
+    /// The leg of the foot, or the link of the joint.
+    pub part: Option<String>,
 }
 
 impl fmt::Display for Loss {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let link = self.link.as_deref().unwrap_or("a joint");
+        let part = self.part.as_deref().unwrap_or("a joint");
         match self.margin {
             Margin::CapturePoint => write!(f, "the capture point left the support")?,
             Margin::CenterOfMass => write!(f, "the centre of mass left the support")?,
-            Margin::FootSlipped => write!(f, "{link} slipped")?,
-            Margin::FootLifted => write!(f, "{link} lifted")?,
-            Margin::JointLimit => write!(f, "{link} came to the end of its range")?,
-            Margin::SlackMuscle => write!(f, "a muscle of {link} went slack")?,
+            Margin::FootSlipped => write!(f, "the foot of {part} slipped")?,
+            Margin::FootLifted => write!(f, "the foot of {part} lifted")?,
+            Margin::JointLimit => write!(f, "{part} came to the end of its range")?,
+            Margin::SlackMuscle => write!(f, "a muscle of {part} went slack")?,
         }
         write!(f, " at {:.2} s", self.time_s)
     }
@@ -313,7 +313,11 @@ impl<'a> Search<'a> {
                 losses.push(Loss {
                     margin: w.margin,
                     time_s: w.since.unwrap_or(0) as f64 / self.trace.rate_hz,
-                    link: w.link.map(|l| links[l].name.clone()),
+                    part: w.link.map(|l| {
+                        let foot = matches!(w.margin, Margin::FootSlipped | Margin::FootLifted);
+                        let leg = self.trace.character.legs().find(|leg| foot && leg.end == l);
+                        leg.map_or_else(|| links[l].name.clone(), |leg| leg.name.clone())
+                    }),
                 });
             }
         }

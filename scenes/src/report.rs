@@ -33,6 +33,8 @@ pub struct Report {
     pub character: CharacterReport,
     /// The motion asked for.
     pub kinematic: KinematicReport,
+    /// What disturbs the performer.
+    pub disturbances: DisturbanceReport,
     /// The motion performed; absent after `--kinematic`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub dynamic: Option<DynamicReport>,
@@ -106,6 +108,87 @@ pub struct KinematicReport {
     pub jerk_ratio: f64,
     /// Share of frames that joint limits changed.
     pub clamped_frames: f64,
+}
+
+/// What disturbs the performer, as the scene says it.
+#[derive(Clone, Debug, Serialize)]
+pub struct DisturbanceReport {
+    /// Steepness of the ground; absent without ground.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub ground_tilt_deg: Option<f64>,
+    /// Coulomb friction of the ground; absent without ground.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub ground_friction: Option<f64>,
+    /// Pushes.
+    pub pushes: Vec<PushReport>,
+    /// Masses carried.
+    pub carried: Vec<CarriedReport>,
+}
+
+/// A push.
+#[derive(Clone, Debug, Serialize)]
+pub struct PushReport {
+    /// Link pushed.
+    pub link: String,
+    /// Point in the link's frame, m.
+    pub at_m: [f64; 3],
+    /// Impulse, world, N·s.
+    pub impulse_ns: [f64; 3],
+    /// When it begins, s.
+    pub start_s: f64,
+    /// How long it lasts, s.
+    pub duration_s: f64,
+}
+
+/// A mass carried.
+#[derive(Clone, Debug, Serialize)]
+pub struct CarriedReport {
+    /// Link that carries it.
+    pub link: String,
+    /// Mass, kg.
+    pub mass_kg: f64,
+    /// Its centre in the link's frame, m.
+    pub at_m: [f64; 3],
+    /// When it is handed over, s.
+    pub from_s: f64,
+    /// When it is taken, s; null if it is kept.
+    pub to_s: Option<f64>,
+    /// Whether the performer knows of it.
+    pub known: bool,
+}
+
+impl DisturbanceReport {
+    fn new(stage: &Stage) -> Self {
+        let name = |link: usize| stage.character.skeleton.links()[link].name.clone();
+        let ground = stage.physics.ground;
+        Self {
+            ground_tilt_deg: ground.map(|g| g.up.y.clamp(-1.0, 1.0).acos().to_degrees()),
+            ground_friction: ground.map(|g| g.friction),
+            pushes: stage
+                .pushes
+                .iter()
+                .map(|p| PushReport {
+                    link: name(p.link),
+                    at_m: p.at.into(),
+                    impulse_ns: (p.force * p.duration_s).into(),
+                    start_s: p.start_s,
+                    duration_s: p.duration_s,
+                })
+                .collect(),
+            carried: stage
+                .carried
+                .iter()
+                .map(|c| CarriedReport {
+                    link: name(c.what.link),
+                    mass_kg: c.what.mass,
+                    at_m: c.what.at.into(),
+                    from_s: c.from_s,
+                    to_s: c.to_s.is_finite().then_some(c.to_s),
+                    known: c.known,
+                })
+                .collect(),
+        }
+    }
 }
 
 /// Foot numbers, see [`metrics::FeetMetrics`].
@@ -196,8 +279,8 @@ pub struct LossReport {
     pub margin: &'static str,
     /// When, s.
     pub at_s: f64,
-    /// The foot or joint; null for the first two.
-    pub link: Option<String>,
+    /// The leg of the foot, or the joint; null for the first two.
+    pub part: Option<String>,
     /// In words.
     pub text: String,
 }
@@ -207,7 +290,7 @@ impl FallReport {
         let loss = |l: &Loss| LossReport {
             margin: l.margin.name(),
             at_s: l.time_s,
-            link: l.link.clone(),
+            part: l.part.clone(),
             text: l.to_string(),
         };
         Self {
@@ -279,7 +362,7 @@ pub struct RootReport {
 pub struct ContactReport {
     /// Mean vertical force, N.
     pub vertical_mean_n: f64,
-    /// Mean vertical force over the last half second, % of body weight.
+    /// Mean vertical force over the last half second, % of the weight of the body and what it then carries.
     pub vertical_end_percent_bw: f64,
     /// Largest vertical force, N.
     pub vertical_peak_n: f64,
@@ -331,6 +414,7 @@ impl Report {
                 jerk_ratio: if plain_jerk > 0.0 { jerk / plain_jerk } else { 1.0 },
                 clamped_frames: stage.clamped,
             },
+            disturbances: DisturbanceReport::new(stage),
             dynamic: outcome.map(|o| dynamic(stage, o)),
             edit_conflicts: stage.log.conflicts().len(),
             files: std::collections::BTreeMap::new(),
@@ -492,7 +576,8 @@ fn contact(t: &Trace) -> ContactReport {
     ContactReport {
         // row 0 has no forces yet
         vertical_mean_n: mean(&sums[1.min(rows)..]),
-        vertical_end_percent_bw: 100.0 * mean(&sums[rows - last..]) / weight.max(1e-12),
+        vertical_end_percent_bw: 100.0 * mean(&sums[rows - last..])
+            / (t.mass_at(rows.saturating_sub(1)) * t.gravity.norm()).max(1e-12),
         vertical_peak_n: sums.iter().map(|f| f.y).fold(0.0, f64::max),
         friction_used_max: used,
     }

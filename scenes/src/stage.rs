@@ -300,7 +300,9 @@ impl Sampler<'_> {
         let mut state = State::new(&model);
         state.update(&model, &character.rest, &vec![0.0; model.nv()]);
         let onto = self.scene.physics.ground.as_ref().map_or(Transform::identity(), onto);
-        let stance = ground(&(onto * Point3::from(state.com(&model))).coords);
+        let floor = self.scene.physics.ground.map_or(0.0, |g| g.height_m);
+        let com = ground(&state.com(&model));
+        let stance = ground(&(onto * Point3::new(com.x, floor, com.y)).coords);
         let home = skeleton.position(&character.rest, 0);
         let ik = |e: motion::ik::IkError| self.scene.source.error("planted", e.to_string());
         let mut clip = tracks.sample(self.scene.rate_hz);
