@@ -95,7 +95,8 @@ fn options(stage: &Stage) -> StripOptions {
         from_s: strip.from_s,
         to_s: strip.to_s,
         yaw_deg: strip.yaw_deg,
-        ground_m: stage.physics.ground.map(|g| g.height_m),
+        // the strip's floor is level
+        ground_m: stage.physics.ground.filter(|g| g.up.y == 1.0).map(|g| g.height_m),
         ..StripOptions::default()
     }
 }

@@ -560,6 +560,7 @@ fn contact(t: &Trace) -> ContactReport {
     let rows = sums.len();
     let mean = |s: &[Vec3]| s.iter().map(|f| f.y).sum::<f64>() / s.len().max(1) as f64;
     let last = ((0.5 * t.rate_hz) as usize).clamp(1, rows.max(1));
+    let up = t.disturbed.ground_up;
     let mut used: f64 = 0.0;
     let mut i = 0;
     while i < t.contacts.len() {
@@ -569,8 +570,9 @@ fn contact(t: &Trace) -> ContactReport {
             sum += t.contacts[i].force;
             i += 1;
         }
-        if sum.y > 0.05 * weight {
-            used = used.max(sum.x.hypot(sum.z) / sum.y);
+        let normal = sum.dot(&up);
+        if normal > 0.05 * weight {
+            used = used.max((sum - up * normal).norm() / normal);
         }
     }
     ContactReport {
