@@ -3,7 +3,8 @@
 use std::fmt::Write;
 use std::path::Path;
 
-use scenes::report::{DisturbanceReport, DynamicReport, FeetReport, LegTensionReport, StiffnessReport};
+use scenes::disturbance_report::{DisturbanceReport, LegTensionReport};
+use scenes::report::{DynamicReport, FeetReport, StiffnessReport};
 use scenes::{Report, Stage};
 
 use crate::output::PLOTS;

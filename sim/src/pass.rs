@@ -1,7 +1,7 @@
 //! The dynamic pass: a motion performed by a body with muscles.
 //!
-//! In: a [`Pass`] (controller setup, world settings, root mode, pushes). Out: an [`Outcome`]: the trace,
-//! where joints sagged, whether and when the body fell or the run diverged. One control step per row
+//! In: a [`Pass`] (controller setup, world settings, root mode, pushes, carried masses). Out: an [`Outcome`]: the
+//! trace, where joints sagged, whether, when and how the body fell or the run diverged. One control step per row
 //! of the goal.
 
 use std::sync::Arc;
@@ -11,12 +11,13 @@ use controllers::assist::{self, Budget};
 use controllers::stops::STIFFNESS_RATIO;
 use controllers::{Controller, LegTension, Sagging, Setup};
 use dynamics::fall::{self, Fall};
-use dynamics::{Carrying, Character, ContactSample, Disturbed, Handed, RootMode, State, Trace, Wrench};
+use dynamics::{Carrying, Character, ContactSample, Disturbed, RootMode, State, Trace, Wrench};
 use motion::ik::IkError;
 use motion::{Joint, Vec3};
 use thiserror::Error;
 
 use crate::Engine;
+use crate::load::Load;
 use crate::world::{ContactLaw, Ground, World, WorldError, WorldSettings};
 
 /// Why a pass cannot start or go on.
@@ -319,56 +320,6 @@ struct Outside {
     force: Vec3,
     /// Rate of its angular momentum about the centre of mass, N·m.
     moment: Vec3,
-}
-
-/// What a body carries, over the rows of a run.
-struct Load {
-    bare: Arc<Character>,
-    all: Vec<Carrying>,
-    now: Vec<bool>,
-    rate_hz: f64,
-    rows: usize,
-}
-
-impl Load {
-    fn new(bare: Arc<Character>, all: Vec<Carrying>, rate_hz: f64, rows: usize) -> Self {
-        let now = all.iter().map(|c| c.at(0.0)).collect();
-        Self { bare, all, now, rate_hz, rows }
-    }
-
-    /// The body with what it carries now.
-    fn character(&self) -> Character {
-        self.bare.carrying(self.all.iter().zip(&self.now).filter(|(_, now)| **now).map(|(c, _)| &c.what))
-    }
-
-    /// Whether anything comes or goes during the run.
-    fn changes(&self) -> bool {
-        let end = self.rows as f64 / self.rate_hz;
-        self.all.iter().any(|c| c.at(0.0) != (c.from_s < end) || c.to_s < end)
-    }
-
-    /// Goes to the step that ends at a row; whether anything came or went.
-    fn step_to(&mut self, row: usize) -> bool {
-        let t = (row - 1) as f64 / self.rate_hz;
-        let mut changed = false;
-        for (c, now) in self.all.iter().zip(&mut self.now) {
-            changed |= c.at(t) != *now;
-            *now = c.at(t);
-        }
-        changed
-    }
-
-    /// As a trace records it.
-    fn handed(&self) -> Vec<Handed> {
-        let carried = |row: usize, c: &Carrying| c.at(row.saturating_sub(1) as f64 / self.rate_hz);
-        let of = |c: &Carrying| {
-            let mut rows = (0..self.rows).filter(|&row| carried(row, c));
-            let from_row = rows.next().unwrap_or(self.rows);
-            let to_row = rows.last().map_or((from_row + 1).min(self.rows), |last| last + 1);
-            Handed { what: c.what.clone(), from_row, to_row }
-        };
-        self.all.iter().map(of).collect()
-    }
 }
 
 impl Recorder {

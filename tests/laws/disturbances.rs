@@ -55,6 +55,7 @@ fn a_person_stands_on_a_slope() {
             (tangential / (weight * tilt.sin()) - 1.0).abs(),
         ];
         println!("{towards}°: {errors:?}");
+        // 2e-7, 3e-8, 2e-6 seen
         assert!(errors[0] < 1e-3 && errors[1] < 1e-3 && errors[2] < 1e-2, "{towards}°: {errors:?}");
         // flat on the slope, and no corner of a sole leaves its place
         let sites = stage.character.contacts.iter().map(|&i| &stage.character.skeleton.sites()[i]);
@@ -87,7 +88,7 @@ fn a_carried_mass_moves_the_pressure() {
     let shift = pressure - body;
     println!("{:?} mm, statics {:?} mm", shift * 1e3, expected * 1e3);
     assert!(expected.z > 0.005 && expected.x > 0.003, "{expected:?}");
-    assert!((shift - expected).xz().norm() < 1e-3, "{shift:?} {expected:?}");
+    assert!((shift - expected).xz().norm() < 1e-3, "{shift:?} {expected:?}"); // 0.05 mm seen
     let sums = t.contact_sums();
     let weight = at_the_end(t, |row| sums[row]).y / ((mass + load) * G);
     assert!((weight - 1.0).abs() < 1e-3, "{weight}");
@@ -113,7 +114,7 @@ fn momentum_is_explained_through_every_disturbance() {
     assert!(out.fall.is_none(), "{:?}", out.fall);
     let explained = unexplained(&out.trace);
     println!("{explained:.1e} of body weight");
-    assert!(explained < 1e-3, "{explained}");
+    assert!(explained < 1e-3, "{explained}"); // 3e-4 seen
     // without the record of the push it is not; nor without the weight of the crate
     let mut bare = out.trace.clone();
     bare.disturbed.wrench.clear();
@@ -123,7 +124,7 @@ fn momentum_is_explained_through_every_disturbance() {
     assert!(unexplained(&light) > 0.01, "{}", unexplained(&light));
 }
 
-/// A load that is known of is held where a surprise sags: shoulder and elbow hardly move (0.0° seen against 11°).
+/// A load that is known of is held where a surprise sags: shoulder and elbow hardly move (0.00° seen against 51°).
 #[test]
 fn a_known_load_is_held() {
     let moved = |known: bool| {

@@ -114,7 +114,10 @@ fn disturbances_that_cannot_be() {
     let push = |rest: &str| format!("pushes: [Push(link: \"chest\", {rest})]");
     for (field, words) in [
         (push("impulse_ns: 12, start_s: 0.1"), ["without a direction", "towards_deg"]),
-        (push("impulse_ns: (0, 0, 9), towards_deg: 90, start_s: 0.1"), ["direction of its own", "one number"]),
+        (
+            push("impulse_ns: (0, 0, 9), towards_deg: 90, start_s: 0.1"),
+            ["direction of its own", "one number"],
+        ),
         (push("impulse_ns: -5, towards_deg: 90, start_s: 0.1"), ["impulse_ns is -5 N·s", "allowed: 0 to"]),
         (push("impulse_ns: (0, NaN, 0), start_s: 0.1"), ["impulse_ns is NaN", "allowed"]),
         (push("impulse_ns: (0, 1), start_s: 0.1"), ["(x, y, z)", "impulse_ns"]),
@@ -129,7 +132,10 @@ fn disturbances_that_cannot_be() {
         (carried("link: \"wrist\", mass_kg: 5"), ["unknown link `wrist`", "did you mean"]),
         (carried("link: \"wrist_r\", mass_kg: 0"), ["mass_kg is 0 kg", "allowed: 0.001 to 1000"]),
         (carried("link: \"wrist_r\", mass_kg: 5, size_m: (1, -1, 1)"), ["size_m is -1 m", "0 to 10"]),
-        (carried("link: \"wrist_r\", mass_kg: 5, from_s: 0.3, to_s: 0.2"), ["to_s is 0.2 s", "later than from_s"]),
+        (
+            carried("link: \"wrist_r\", mass_kg: 5, from_s: 0.3, to_s: 0.2"),
+            ["to_s is 0.2 s", "later than from_s"],
+        ),
         (carried("link: \"wrist_r\", mass_kg: 5, from_s: 99"), ["begins at 99 s", "settle_s"]),
         (carried("link: \"wrist_r\", mass_kg: 5, known: 1"), ["known", "bool"]),
     ] {

@@ -45,7 +45,9 @@ fn the_document_names_every_field() {
         paths(&report, "", &mut fields);
     }
     // empty lists of the clip's run
-    for list in ["dynamic.sagging[]", "dynamic.leg_tension[]", "disturbances.pushes[]", "disturbances.carried[]"] {
+    for list in
+        ["dynamic.sagging[]", "dynamic.leg_tension[]", "disturbances.pushes[]", "disturbances.carried[]"]
+    {
         fields.remove(list);
     }
     let document = std::fs::read_to_string(root().join("docs/REPORT.md")).unwrap();

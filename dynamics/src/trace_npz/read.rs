@@ -194,8 +194,8 @@ fn disturbed<R: Read + Seek>(
     let inertia = npz.reals("carried_inertia", &[n, 9])?;
     let span = npz.integers("carried_rows", &[n, 2])?;
     for i in 0..n {
-        let numbers = at[i].iter().chain(&inertia[9 * i..9 * i + 9]);
-        if !(mass[i] > 0.0 && mass[i].is_finite()) || !numbers.into_iter().all(|x| x.is_finite()) {
+        let mut numbers = at[i].iter().chain(&inertia[9 * i..9 * i + 9]).chain(&mass[i..=i]);
+        if mass[i] <= 0.0 || !numbers.all(|x| x.is_finite()) {
             let found = format!("{} kg at {:?}", mass[i], at[i].as_slice());
             return Err(value("carried_mass", i, found, "a mass over 0, finite numbers"));
         }
