@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Does the body in a trace.npz move by the forces it recorded, and by no others?
 
-Recomputes d(momentum)/dt - m g - sum of contact forces - root wrench from the file alone, by two roads:
+Recomputes d(momentum)/dt - m g - sum of contact forces - root wrench - pushes from the file alone, by two roads:
 
   positions   momentum = sum of m_i (x_i[k] - x_i[k-1]) * rate, from the recorded centres of mass of the
               links. Nothing the simulation says about velocity or momentum enters.
@@ -12,6 +12,10 @@ F[k] / rate. The mean velocity of a step of S semi-implicit substeps h,
 (x[k] - x[k-1]) / (S h) = mean of v over the ends of the substeps, so that its change from step k to k+1 is
 h * (w F[k] + (1 - w) F[k+1]) * S with w = (S - 1) / (2 S), for forces even within a step: w = 0 for
 one substep. Row 0 has no forces, so rows 1.. are compared.
+
+Masses carried count from their first row to their last, with their own centres. A mass is handed over at the velocity of
+its link: the momentum it brings is among the wrenches recorded. By positions a step with a mass cannot be compared with a
+step without; those rows are left out and counted.
 
 `impulse` is the mean over the run of the residual (by positions): free of differencing noise.
 Percent are of body weight. Python standard library only; shares no code with what wrote the file.
@@ -49,8 +53,9 @@ def read_npy(data, name):
     raise ValueError(f"{name}: type {kind} is not read")
 
 
-def read_npz(path, names):
+def read_npz(path, names, optional):
     with zipfile.ZipFile(path) as archive:
+        names = names + [n for n in optional if n + ".npy" in archive.namelist()]
         return {n: read_npy(archive.read(n + ".npy"), n) for n in names}
 
 
@@ -69,7 +74,7 @@ def statistics(residuals, weight):
 def judge(path, still_s):
     names = ["rate_hz", "substeps", "gravity", "root_mode", "link_mass", "link_com", "momentum", "com",
              "contact_row", "contact_force", "contact_point", "root_wrench", "q"]
-    a = read_npz(path, names)
+    a = read_npz(path, names, ["disturbed_wrench", "carried_mass", "carried_rows", "carried_com"])
     rate, substeps, g = a["rate_hz"][1][0], a["substeps"][1][0], a["gravity"][1]
     masses, at = a["link_mass"][1], a["link_com"][1]
     rows, links = a["momentum"][0][0], len(masses)
@@ -80,6 +85,11 @@ def judge(path, still_s):
     if not all(map(math.isfinite, at + a["momentum"][1] + a["contact_force"][1] + a["root_wrench"][1])):
         raise ValueError("a number is not finite")
     mass = sum(masses)
+    loads = a["carried_mass"][1] if "carried_mass" in a else []
+    spans = a["carried_rows"][1] if loads else []
+    load_at = a["carried_com"][1] if loads else []
+    carried = [[m if spans[2 * i] <= j < spans[2 * i + 1] else 0.0 for i, m in enumerate(loads)] for j in range(rows)]
+    disturbed = a["disturbed_wrench"][1] if "disturbed_wrench" in a else [0.0] * (6 * rows)
     weight = mass * math.sqrt(sum(x * x for x in g)) or float("nan")
 
     wrench = a["root_wrench"][1]
@@ -92,19 +102,23 @@ def judge(path, still_s):
         for k in range(3):
             contact[row][k] += f[k]
             contact_moment[row][k] += r[(k + 1) % 3] * f[(k + 2) % 3] - r[(k + 2) % 3] * f[(k + 1) % 3]
-    force = [[mass * g[k] + contact[j][k] + wrench[6 * j + k] for k in range(3)] for j in range(rows)]
+    wrench = [w + d for w, d in zip(wrench, disturbed)]
+    force = [[(mass + sum(carried[j])) * g[k] + contact[j][k] + wrench[6 * j + k] for k in range(3)] for j in range(rows)]
 
     # Momentum of step j (rows j-1 to j) from positions.
     step = [None] + [
-        [rate * sum(m * (at[3 * links * j + 3 * i + k] - at[3 * links * (j - 1) + 3 * i + k])
-                    for i, m in enumerate(masses)) for k in range(3)]
+        [rate * (sum(m * (at[3 * links * j + 3 * i + k] - at[3 * links * (j - 1) + 3 * i + k])
+                     for i, m in enumerate(masses))
+                 + sum(m * (load_at[3 * len(loads) * j + 3 * i + k] - load_at[3 * len(loads) * (j - 1) + 3 * i + k])
+                       for i, m in enumerate(carried[j]))) for k in range(3)]
         for j in range(1, rows)
     ]
+    same = [j for j in range(1, rows - 1) if carried[j] == carried[j + 1]]
     w = (substeps - 1) / (2 * substeps)
     by_positions = [
         [rate * (step[j + 1][k] - step[j][k]) - (w * force[j][k] + (1 - w) * force[j + 1][k])
          for k in range(3)]
-        for j in range(1, rows - 1)
+        for j in same
     ]
     p = a["momentum"][1]
     recorded = [[rate * (p[6 * j + k] - p[6 * (j - 1) + k]) - force[j][k] for k in range(3)]
@@ -126,7 +140,9 @@ def judge(path, still_s):
     # Mean vertical contact force over the last `still_s` seconds.
     tail = max(1, min(rows - 1, round(still_s * rate)))
     vertical = sum(c[1] for c in contact[-tail:]) / tail
-    root = [math.sqrt(sum(wrench[6 * j + k] ** 2 for k in range(3))) for j in range(rows)]
+    root = [math.sqrt(sum(a["root_wrench"][1][6 * j + k] ** 2 for k in range(3))) for j in range(rows)]
+    # what stands still weighs what it carries
+    end_weight = (mass + sum(carried[-1])) * weight / mass
     return {
         "file": path, "rows": rows, "rate_hz": rate, "substeps": substeps,
         "root_mode": a["root_mode"][1][0], "mass_kg": mass, "weight_n": weight,
@@ -135,7 +151,8 @@ def judge(path, still_s):
         "angular_rms_nm": math.sqrt(sum(x * x for x in angular) / len(angular)),
         "root_force_peak_n": max(root),
         "still": {"seconds": tail / rate, "vertical_mean_n": vertical,
-                  "vertical_mean_percent": 100 * vertical / weight},
+                  "vertical_mean_percent": 100 * vertical / end_weight},
+        "handed_rows": rows - 2 - len(same),
     }
 
 

@@ -226,11 +226,32 @@ pub struct CrosscheckArgs {
     /// may be given several times
     #[arg(long, value_name = "FAULT")]
     pub inject: Vec<crosscheck::Injection>,
+    /// Compare the push-recovery maps of both engines too (a scene that stands; takes minutes)
+    #[arg(long)]
+    pub push_map: bool,
+    /// Directions of the push maps, evenly spaced, from forward on
+    #[arg(long, value_name = "N", default_value_t = 8, value_parser = directions, requires = "push_map")]
+    pub directions: usize,
+    /// How closely the impulses of the push maps are searched, in percent of themselves
+    #[arg(long, value_name = "PERCENT", default_value_t = 4.0, value_parser = tolerance, allow_negative_numbers = true, requires = "push_map")]
+    pub tolerance: f64,
+}
+
+impl CrosscheckArgs {
+    /// How push maps are made.
+    pub fn settings(&self) -> PushSettings {
+        PushSettings {
+            directions: self.directions,
+            tolerance: 0.01 * self.tolerance,
+            ..PushSettings::default()
+        }
+    }
 }
 
 const CROSSCHECK_EXAMPLES: &str = "\
 Examples:
   contrapposto crosscheck scenes/bow.ron
+  contrapposto crosscheck scenes/stand.ron --push-map --directions 4 --tolerance 5
   contrapposto crosscheck scenes/reach.ron --states-only --states 5000 --seed 7
   contrapposto crosscheck humanoid.xml --dynamics-only
   contrapposto crosscheck humanoid.xml --dynamics-only --against heavier.xml
@@ -248,6 +269,15 @@ Files written into DIR:
   plots/            the figures, each as .svg and .png
 
 Exit codes: 0 all checks pass, 1 a check fails or an engine does, 2 something is wrong with the input.";
+
+/// An engine that can simulate pushes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum EngineArg {
+    /// The engine of every other command
+    Rapier,
+    /// The engine of the cross-check, controllers closed over its own state; much slower
+    Mujoco,
+}
 
 /// Arguments of `push`.
 #[derive(Debug, Args)]
@@ -278,6 +308,9 @@ pub struct PushArgs {
     /// Engine substeps per control step [default: the scene's]
     #[arg(long, value_name = "N", value_parser = substeps, allow_negative_numbers = true)]
     pub substeps: Option<usize>,
+    /// Engine that simulates the pushes
+    #[arg(long, value_enum, default_value_t = EngineArg::Rapier)]
+    pub engine: EngineArg,
     /// Draw nothing
     #[arg(long)]
     pub no_plots: bool,
@@ -291,6 +324,7 @@ Examples:
   contrapposto push scenes/stand.ron
   contrapposto push scenes/stand.ron --directions 4 --tolerance 5
   contrapposto push scenes/stand.ron --tension 2 --out out/stiff
+  contrapposto push scenes/stand.ron --engine mujoco --directions 8 --tolerance 4
   contrapposto push scenes/stand.ron --json | jq .mean_ratio
 
 A push is a constant horizontal force over 0.1 s at the body's centre of mass. It is survived if no foot moves more

@@ -14,7 +14,7 @@ use crate::progress::Progress;
 const OURS: &[&str] =
     &["crosscheck.json", "crosscheck.html", "crosscheck.txt", "trace.npz", "mujoco/trace.npz"];
 /// Stems of its figures.
-const FIGURES: &[&str] = &["motion", "landing", "contact"];
+const FIGURES: &[&str] = &["motion", "landing", "contact", "push"];
 
 /// Runs the command.
 ///
@@ -32,6 +32,7 @@ pub fn run(args: &CrosscheckArgs) -> Result<(), Failure> {
         against: args.against.clone(),
         inject: args.inject.clone(),
         states_only: args.states_only,
+        push_map: args.push_map.then(|| args.settings()),
     };
     let mut part = "";
     let done = crosscheck::run(&args.input, &options, &mut |event| match event {

@@ -83,7 +83,8 @@ fn note(stage: &Stage, outcome: &Outcome) -> String {
         scenes::RootMode::Pinned => "pinned",
     };
     let tension = stage.physics.tension;
-    format!("{}: tension {tension}, root {root}, {} Hz, {} substeps", stage.name, t.rate_hz, t.substeps)
+    let end = outcome.fall.as_ref().map_or(String::new(), |fall| format!("; {fall}"));
+    format!("{}: tension {tension}, root {root}, {} Hz, {} substeps{end}", stage.name, t.rate_hz, t.substeps)
 }
 
 /// As the scene wants its strips.
@@ -94,7 +95,8 @@ fn options(stage: &Stage) -> StripOptions {
         from_s: strip.from_s,
         to_s: strip.to_s,
         yaw_deg: strip.yaw_deg,
-        ground_m: stage.physics.ground.map(|g| g.height_m),
+        // the strip's floor is level
+        ground_m: stage.physics.ground.filter(|g| g.up.y == 1.0).map(|g| g.height_m),
         ..StripOptions::default()
     }
 }

@@ -8,7 +8,7 @@ use motion::format::bvh::ImportOptions;
 use plots::Spoke;
 use scenes::push::{self, PushError, PushMap};
 
-use crate::args::PushArgs;
+use crate::args::{EngineArg, PushArgs};
 use crate::failure::Failure;
 use crate::output::{self, Output};
 use crate::progress::Progress;
@@ -33,7 +33,14 @@ pub fn run(args: &PushArgs) -> Result<(), Failure> {
             bar.at(fraction);
         }
     };
-    let mut map = push::map(&stage, args.settings(), &tell).map_err(failure)?;
+    let mut map = match args.engine {
+        EngineArg::Rapier => push::map(&stage, args.settings(), &tell).map_err(failure)?,
+        EngineArg::Mujoco => {
+            let mut say = |text: &str| eprintln!("{text}");
+            crosscheck::push::map(&stage, args.settings(), &mut say, &tell)
+                .map_err(|e| if e.is_input() { Failure::input(e) } else { Failure::run(e) })?
+        }
+    };
 
     let output = Output::replacing(&dir, ours())?;
     if !args.no_plots {
@@ -64,13 +71,14 @@ fn figure(map: &PushMap) -> plots::Figure {
         .map(|d| Spoke { deg: d.deg, survived: d.survived_ns, limit: d.limit_ns })
         .collect();
     let note = format!(
-        "{}: {:.1} kg, pushed for {:.3} s at its centre of mass, {:.2} m high ({}). Survived without a step: {:.0} % of \
+        "{}: {:.1} kg, pushed for {:.3} s at its centre of mass, {:.2} m high ({}), simulated by {}. Survived without a step: {:.0} % of \
          the limit on average, {:.0} % at least.",
         map.scene,
         map.mass_kg,
         map.push_s,
         map.com_height_m,
         map.push_link,
+        map.engine,
         100.0 * map.mean_ratio,
         100.0 * map.min_ratio
     );
@@ -89,8 +97,9 @@ fn word(deg: f64) -> &'static str {
 }
 
 fn summary(map: &PushMap, dir: &Path) -> String {
+    let engine = if map.engine == "rapier" { String::new() } else { format!(" in {}", map.engine) };
     let mut text = format!(
-        "{}: survives {:.0} % of the physical limit on average, {:.0} % at least\n\n",
+        "{}: survives{engine} {:.0} % of the physical limit on average, {:.0} % at least\n\n",
         map.scene,
         100.0 * map.mean_ratio,
         100.0 * map.min_ratio

@@ -3,6 +3,7 @@
 use std::fmt::Write;
 use std::path::Path;
 
+use scenes::disturbance_report::{DisturbanceReport, LegTensionReport};
 use scenes::report::{DynamicReport, FeetReport, StiffnessReport};
 use scenes::{Report, Stage};
 
@@ -60,6 +61,7 @@ fn write(out: &mut String, stage: &Stage, report: &Report, dir: &Path) -> std::f
         );
         line(out, "edits", text)?;
     }
+    disturbed(out, &report.disturbances)?;
     if let Some(d) = &report.dynamic {
         performed(out, d)?;
     }
@@ -76,13 +78,39 @@ fn write(out: &mut String, stage: &Stage, report: &Report, dir: &Path) -> std::f
     Ok(())
 }
 
+fn disturbed(out: &mut String, d: &DisturbanceReport) -> std::fmt::Result {
+    let mut lines = Vec::new();
+    if let (Some(tilt), Some(friction)) = (d.ground_tilt_deg, d.ground_friction)
+        && tilt > 0.0
+    {
+        lines.push(format!("ground tilted by {}°, friction {}", number(tilt), number(friction)));
+    }
+    lines.extend(d.pushes.iter().map(|p| {
+        let size = p.impulse_ns.iter().map(|x| x * x).sum::<f64>().sqrt();
+        format!("{} is pushed by {size:.1} N·s at {:.2} s for {} s", p.link, p.start_s, number(p.duration_s))
+    }));
+    lines.extend(d.carried.iter().map(|c| {
+        let to = c.to_s.map_or(String::new(), |t| format!(" to {t:.2} s"));
+        let known = if c.known { "known" } else { "a surprise" };
+        format!("{} carries {} kg from {:.2} s{to}: {known}", c.link, number(c.mass_kg), c.from_s)
+    }));
+    for (i, text) in lines.iter().enumerate() {
+        line(out, if i == 0 { "disturbed" } else { "" }, text)?;
+    }
+    Ok(())
+}
+
 fn verdict(report: &Report) -> String {
     let name = &report.scene;
     match &report.dynamic {
         None => format!("{name}: the motion asked for; no physics"),
         Some(d) => match (&d.diverged, d.fell_at_s) {
             (Some(why), _) => format!("{name}: FAILED, {why}"),
-            (None, Some(at)) => format!("{name}: THE BODY FELL at {at:.2} s"),
+            (None, Some(at)) => {
+                let cause = d.fall.as_ref().and_then(|f| f.losses.first());
+                let cause = cause.map_or(String::new(), |c| format!(": {}", c.text));
+                format!("{name}: THE BODY FELL at {at:.2} s{cause}")
+            }
             (None, None) if d.root.mode == "pinned" => format!("{name}: performed, root pinned"),
             (None, None) => format!("{name}: performed, the body stands"),
         },
@@ -110,6 +138,13 @@ fn performed(out: &mut String, d: &DynamicReport) -> std::fmt::Result {
         );
         line(out, "residual", text)?;
     }
+    for (i, loss) in d.fall.iter().flat_map(|f| &f.losses).enumerate() {
+        line(
+            out,
+            if i == 0 { "FELL" } else { "" },
+            format!("{}{}", if i == 0 { "" } else { "then " }, loss.text),
+        )?;
+    }
     line(
         out,
         "muscles",
@@ -128,6 +163,25 @@ fn performed(out: &mut String, d: &DynamicReport) -> std::fmt::Result {
             "tension 1 is {:.2} N·m/rad at {} to {:.0} N·m/rad at {}",
             softest.natural_nm_rad, softest.joint, stiffest.natural_nm_rad, stiffest.joint
         );
+        line(out, "", text)?;
+    }
+    let of_legs =
+        |l: &&LegTensionReport| d.leg_tension[0].asked == l.asked && d.leg_tension[0].used == l.used;
+    if let Some(first) = d.leg_tension.first() {
+        let (word, why) = if first.used > first.asked {
+            ("RAISED", "they would not stand with less")
+        } else {
+            ("lowered", "the soles cannot pass on more")
+        };
+        let mut text = format!(
+            "stance legs' tension {word} from {} to {} ({:+.0} %): {why}",
+            number(first.asked),
+            number(first.used),
+            100.0 * (first.used / first.asked - 1.0)
+        );
+        if d.leg_tension.iter().filter(of_legs).count() < d.leg_tension.len() {
+            text += "; each joint in report.json";
+        }
         line(out, "", text)?;
     }
     line(

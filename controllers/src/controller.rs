@@ -12,7 +12,7 @@
 
 use std::sync::Arc;
 
-use dynamics::{Character, Model, State};
+use dynamics::{Carrying, Character, Model, State};
 use motion::ik::IkError;
 use motion::plant::Plant;
 use motion::support::Vec2;
@@ -65,6 +65,19 @@ pub struct Sagging {
     pub least: f64,
 }
 
+/// Tension of a joint of a stance leg that is not what was asked.
+#[derive(Clone, Debug, PartialEq)]
+pub struct LegTension {
+    /// Link of the joint.
+    pub link: usize,
+    /// Tension asked for, 1 is natural.
+    pub asked: f64,
+    /// Tension used: what was asked, within the range in which legs stand.
+    pub used: f64,
+    /// Stiffness of tension 1, N·m/rad.
+    pub natural: f64,
+}
+
 #[expect(clippy::large_enum_variant, reason = "one per joint, most are transitions")]
 enum Muscle {
     None,
@@ -106,6 +119,9 @@ pub struct Controller {
     next_event: usize,
     balance: Option<Balance>,
     reactive: Vec<Box<dyn Reactive>>,
+    leg_tension: Vec<LegTension>,
+    /// The body with what it is known to carry, from a time (s) on; the first from the beginning.
+    models: Vec<(f64, Model)>,
     feet: Vec<Foot>,
     /// Ground under feet that come and go; `None` where balance or a pin carries the body.
     ground_m: Option<f64>,
@@ -130,8 +146,17 @@ impl Controller {
     /// # Errors
     /// Planted limbs that two-bone IK cannot solve.
     pub fn new(setup: Setup) -> Result<Self, IkError> {
+        Self::carrying(setup, &[])
+    }
+
+    /// [`Controller::new`] of a body that knows what it will carry, and when: loads of all poses count it.
+    ///
+    /// # Errors
+    /// As [`Controller::new`].
+    pub fn carrying(setup: Setup, known: &[Carrying]) -> Result<Self, IkError> {
         let character = &setup.character;
-        let model = Model::new(character, setup.gravity);
+        let models = models(character, setup.gravity, known);
+        let model = models[0].1.clone();
         let links = character.skeleton.links();
         let set_points: Vec<SetPoints> =
             model.bodies.iter().map(|b| SetPoints::of(&b.joint, links[b.link].limits.as_ref())).collect();
@@ -147,7 +172,7 @@ impl Controller {
         };
         let stance = carrying.iter().map(|f| StanceLeg::new(&model, &f.limb, share)).collect();
         let mut planner =
-            Planner { model: &model, set_points: &set_points, stance, carrying, cache: Vec::new() };
+            Planner { models: &models, set_points: &set_points, stance, carrying, cache: Vec::new() };
         let mut times: Vec<f64> = match &setup.tracks {
             Some(t) => t.elements().flat_map(|(_, e)| [e.start_s, e.arrives_s()]).collect(),
             None => Vec::new(),
@@ -159,6 +184,7 @@ impl Controller {
             times = (0..=n as usize).map(|i| length * i as f64 / n).collect();
         }
         times.push(0.0);
+        times.extend(models.iter().skip(1).map(|(at_s, _)| *at_s));
         for t in times {
             planner.at(&setup.goal, t);
         }
@@ -169,14 +195,20 @@ impl Controller {
             Some(b) => b.bodies(&model),
             None => Vec::new(),
         };
+        let mut leg_tension = Vec::new();
         let legs = (0..model.bodies.len())
             .map(|i| {
                 let tension = match &setup.tracks {
                     Some(t) => setup.tension * t.base_tension[model.bodies[i].link],
                     None => setup.tension,
                 };
+                let asked = tension;
                 let tension =
                     if in_leg.contains(&i) { tension.clamp(LEG_TENSION.lo, LEG_TENSION.hi) } else { tension };
+                if tension != asked {
+                    let (link, natural) = (model.bodies[i].link, scale.k1[i]);
+                    leg_tension.push(LegTension { link, asked, used: tension, natural });
+                }
                 let stiffness = tension * scale.k1[i];
                 LegMuscle { stiffness, damping: TensionScale::damping(stiffness, scale.inertia[i]) }
             })
@@ -188,6 +220,8 @@ impl Controller {
             ground_m: if balance.is_none() { setup.ground_m } else { None },
             balance,
             reactive: setup.reactive,
+            leg_tension,
+            models: models.clone(),
             feet,
             drives: vec![Drive::NONE; model.bodies.len()],
             sagging: Vec::new(),
@@ -221,6 +255,11 @@ impl Controller {
         all
     }
 
+    /// Joints of stance legs whose tension is not what was asked.
+    pub fn leg_tension(&self) -> &[LegTension] {
+        &self.leg_tension
+    }
+
     /// Drives of the last step.
     pub fn drives(&self) -> &[Drive] {
         &self.drives
@@ -247,6 +286,10 @@ impl Controller {
     pub fn step(&mut self, row: usize, q: &[f64], v: &[f64]) -> Result<&[Drive], IkError> {
         let dt = 1.0 / self.goal.rate_hz;
         let t = row as f64 * dt;
+        while self.models.get(1).is_some_and(|(at_s, _)| *at_s < t - 1e-9) {
+            self.models.remove(0);
+            self.model = self.models[0].1.clone();
+        }
         while self.events.get(self.next_event).is_some_and(|e| e.at_s < t - 1e-9) {
             let event = &self.events[self.next_event];
             for c in &event.changes {
@@ -396,6 +439,7 @@ impl Controller {
             self.muscles.push(muscle);
         }
         let mut times: Vec<f64> = tracks.elements().map(|(_, e)| e.start_s).collect();
+        times.extend(self.models.iter().skip(1).map(|(at_s, _)| *at_s));
         times.sort_by(f64::total_cmp);
         times.dedup_by(|a, b| (*a - *b).abs() < 1e-9);
         for at_s in times {
@@ -433,7 +477,9 @@ impl Controller {
             let moving = track
                 .and_then(|t| t.active(at_s).map(|i| &t.elements[i]))
                 .is_some_and(|e| e.arrives_s() > at_s);
-            if moving || horizon <= at_s {
+            // what is handed over is held at once
+            let handed = planner.models.iter().skip(1).any(|(t, _)| (t - at_s).abs() < 1e-9);
+            if moving || (horizon <= at_s && !handed) {
                 continue;
             }
             let target = self.clamped(link, &tracks.value_at(dof, at_s));
@@ -505,9 +551,22 @@ impl Controller {
     }
 }
 
+/// The body with what it carries, from each time on at which that changes, s.
+fn models(character: &Character, gravity: Vec3, known: &[Carrying]) -> Vec<(f64, Model)> {
+    let mut times: Vec<f64> = known.iter().flat_map(|c| [c.from_s, c.to_s]).collect();
+    times.retain(|t| *t > 1e-9 && t.is_finite());
+    times.sort_by(f64::total_cmp);
+    times.dedup_by(|a, b| (*a - *b).abs() < 1e-9);
+    let with = |at_s: f64| {
+        let carried = known.iter().filter(|c| c.at(at_s)).map(|c| &c.what);
+        (at_s, Model::new(&character.carrying(carried), gravity))
+    };
+    std::iter::once(0.0).chain(times).map(with).collect()
+}
+
 /// Needs of the goal's poses, computed once per pose.
 struct Planner<'a> {
-    model: &'a Model,
+    models: &'a [(f64, Model)],
     set_points: &'a [SetPoints],
     stance: Vec<StanceLeg>,
     carrying: Vec<Foot>,
@@ -521,15 +580,17 @@ impl Planner<'_> {
             return needs.clone();
         }
         let q = goal.pose(row);
-        let mut state = State::new(self.model);
-        state.update(self.model, q, &vec![0.0; self.model.nv()]);
+        let after = self.models.partition_point(|(at_s, _)| *at_s < t_s + 1e-9);
+        let model = &self.models[after.max(1) - 1].1;
+        let mut state = State::new(model);
+        state.update(model, q, &vec![0.0; model.nv()]);
         let loads = if self.carrying.is_empty() {
             Vec::new()
         } else {
-            let com = motion::support::ground(&state.com(self.model));
-            wrenches(&self.carrying, self.model, &state, com, -self.model.gravity * self.model.mass)
+            let com = motion::support::ground(&state.com(model));
+            wrenches(&self.carrying, model, &state, com, -model.gravity * model.mass)
         };
-        let found = needs(self.model, self.set_points, q, &self.stance, &loads);
+        let found = needs(model, self.set_points, q, &self.stance, &loads);
         self.cache.push((row, found.clone()));
         found
     }

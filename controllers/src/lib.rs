@@ -32,7 +32,7 @@ pub mod transition;
 
 pub use antagonist::{Antagonist, HoldError, SetPoints};
 pub use balance::{Balance, BalanceSettings};
-pub use controller::{Controller, Sagging, Setup};
+pub use controller::{Controller, LegTension, Sagging, Setup};
 pub use drive::{Drive, Rest, rest_of};
 pub use gaze::{Gaze, GazeError, GazeSettings, Sight};
 pub use goal::Goal;

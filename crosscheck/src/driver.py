@@ -272,6 +272,20 @@ class Session:
         self.balls.stop = numbers[n:]
         answer({})
 
+    def masses(self, request, numbers):
+        """Other masses for the same bodies. Numbers: body mass com(3) inertia(9) for each."""
+        m = self.m
+        for row in numbers.reshape(-1, 14):
+            body = int(row[0])
+            values, axes = np.linalg.eigh(row[5:].reshape(3, 3))
+            if np.linalg.det(axes) < 0.0:
+                axes[:, 0] *= -1.0
+            m.body_mass[body], m.body_ipos[body], m.body_inertia[body] = row[1], row[2:5], values
+            mujoco.mju_mat2Quat(m.body_iquat[body], np.ascontiguousarray(axes).ravel())
+        # what the model derives of them; it uses its data as scratch
+        mujoco.mj_setConst(m, mujoco.MjData(m))
+        answer({})
+
     def control(self, m, d):
         f = d.qfrc_applied
         f[:] = 0.0

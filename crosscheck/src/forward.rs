@@ -62,7 +62,7 @@ pub fn compare(
         Clip::new(clip.skeleton.clone(), COMMON_HZ, clip.data()[..frames * nq].to_vec())
     };
     let reference = in_mujoco(bridge, pass(REFERENCE_HZ), &Integration::reference(1), end_s, progress)?;
-    let reference = common(&reference);
+    let reference = common(&reference.trace);
     let mut errors_deg = [0.0; 4];
     let mut ours = None;
     for (error, rate_hz) in errors_deg.iter_mut().zip(RATES_HZ) {

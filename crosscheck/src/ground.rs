@@ -16,11 +16,12 @@ use std::rc::Rc;
 use std::sync::Arc;
 
 use controllers::{BalanceSettings, GainBlend, Goal, Setup};
+use dynamics::fall::Fall;
 use dynamics::{Body, Character, JointClass, RootMode, Trace};
 use motion::{Clip, Joint, Link, Quat, Shape, Skeleton, Vec3};
 use nalgebra::Matrix3;
 use scenes::Stage;
-use sim::{ContactLaw, Engine, Ground, Pass, PassError, World, WorldError, WorldSettings};
+use sim::{ContactLaw, Engine, Ground, Outcome, Pass, PassError, World, WorldError, WorldSettings};
 
 use crate::bridge::Bridge;
 use crate::check::{Check, Measure};
@@ -68,7 +69,7 @@ fn solid_box() -> Character {
 }
 
 fn box_settings(rate_hz: f64, gravity: Vec3, contact: ContactLaw) -> WorldSettings {
-    let ground = Some(Ground { height_m: 0.0, friction: 0.8 });
+    let ground = Some(Ground::level(0.0, 0.8));
     WorldSettings { rate_hz, substeps: 1, gravity, ground, pinned: false, contact }
 }
 
@@ -268,10 +269,11 @@ pub fn standing_weight(bridge: &Shared, stage: &Stage) -> Result<Check, PassErro
             root: RootMode::Free,
             ground: p.ground,
             pushes: Vec::new(),
+            carried: Vec::new(),
         }
     };
     let ours = still(stage).run(&mut |_| {})?.trace;
-    let theirs = in_mujoco(bridge, still(stage), &standing(), f64::INFINITY, &mut |_| {})?;
+    let theirs = in_mujoco(bridge, still(stage), &standing(), f64::INFINITY, &mut |_| {})?.trace;
     let weight = stage.character.mass() * stage.physics.gravity.norm();
     let mean = |t: &Trace| {
         let sums = t.contact_sums();
@@ -294,7 +296,7 @@ pub fn in_mujoco(
     integration: &Integration,
     end_s: f64,
     progress: &mut dyn FnMut(f64),
-) -> Result<Trace, PassError> {
+) -> Result<Outcome, PassError> {
     let rate = pass.setup.goal.rate_hz;
     let mut run =
         pass.start_in(|c, settings, q, v| MujocoWorld::new(bridge.clone(), integration, c, settings, q, v))?;
@@ -307,7 +309,7 @@ pub fn in_mujoco(
     let outcome = run.finish();
     match outcome.diverged {
         Some(error) => Err(error.into()),
-        None => Ok(outcome.trace),
+        None => Ok(outcome),
     }
 }
 
@@ -328,11 +330,29 @@ const IMPACT: f64 = 0.02;
 /// Around an impact forces are compared by their impulse, s.
 const AROUND: f64 = 0.05;
 
+/// Shorter spans before a fall have no forces to compare, s.
+const LEAST_SPAN: f64 = 0.5;
+
+/// Whether the body stands (1) or falls (0) in each engine.
+fn verdict(ours: &Outcome, theirs: &Outcome) -> Check {
+    let stands = |o: &Outcome| f64::from(u8::from(o.fell_s.is_none()));
+    let end = |o: &Outcome| match (&o.fall, o.fell_s) {
+        (Some(fall), _) => fall.to_string(),
+        (None, Some(at)) => format!("falls at {at:.2} s"),
+        (None, None) => "stands".to_owned(),
+    };
+    let at = match (ours.fell_s, theirs.fell_s) {
+        (None, None) => "stands in both".to_owned(),
+        _ => format!("rapier: {}; MuJoCo: {}", end(ours), end(theirs)),
+    };
+    Check::absolute("scene: verdict, 1 stands or 0 falls", "", stands(ours), stands(theirs), 0.0).at(at)
+}
+
 /// An RMS difference below this part of the body weight is noise of the contact solvers and has no order.
 const VISIBLE: f64 = 3e-4;
 
-/// Performs the stage in both engines, controllers closed over each engine's own state, and compares the
-/// vertical ground forces.
+/// Performs the stage in both engines, controllers closed over each engine's own state, and compares whether the
+/// body stands and the vertical ground forces: until a margin of balance is lost, if it falls.
 ///
 /// An impact (an edge of a foot that lands) happens a few milliseconds apart in the two; there the impulse over
 /// ±50 ms is compared, and elsewhere the force step by step.
@@ -340,13 +360,30 @@ const VISIBLE: f64 = 3e-4;
 /// # Errors
 /// Of either engine.
 pub fn scene(bridge: &Shared, stage: &Stage, progress: &mut dyn FnMut(f64)) -> Result<SceneRun, PassError> {
-    let ours = stage.pass().run(&mut |_| {})?.trace;
-    let theirs = in_mujoco(bridge, stage.pass(), &standing(), f64::INFINITY, &mut |x| progress(0.5 * x))?;
+    let (ours, theirs) = (
+        stage.pass().run(&mut |_| {})?,
+        in_mujoco(bridge, stage.pass(), &standing(), f64::INFINITY, &mut |x| progress(0.5 * x))?,
+    );
+    if let Some(error) = ours.diverged {
+        return Err(error.into());
+    }
+    let verdict = verdict(&ours, &theirs);
+    let lost_s =
+        [&ours.fall, &theirs.fall].into_iter().flatten().map(Fall::first_s).fold(f64::INFINITY, f64::min);
+    let (mut ours, mut theirs) = (ours.trace, theirs.trace);
+    if lost_s < SETTLE + LEAST_SPAN {
+        return Ok(SceneRun { checks: vec![verdict], ours, theirs });
+    }
+    let before = |t: &Trace| ((lost_s * t.rate_hz) as usize).clamp(1, t.rows());
+    ours = ours.cut(0..before(&ours));
+    theirs = theirs.cut(0..before(&theirs));
     let mut finer = stage.clone();
     finer.physics.rate_hz *= 2.0;
     let finer_ours = finer.pass().run(&mut |_| {})?.trace;
     let finer_theirs =
-        in_mujoco(bridge, finer.pass(), &standing(), f64::INFINITY, &mut |x| progress(0.5 + 0.5 * x))?;
+        in_mujoco(bridge, finer.pass(), &standing(), lost_s, &mut |x| progress(0.5 + 0.5 * x))?.trace;
+    let finer_ours = finer_ours.cut(0..before(&finer_ours));
+    let finer_theirs = finer_theirs.cut(0..before(&finer_theirs));
     let weight = stage.character.mass() * stage.physics.gravity.norm();
     let (a, b) = (Vertical::of(&ours, None), Vertical::of(&theirs, None));
     let gap = a.compare(&b, weight);
@@ -371,6 +408,7 @@ pub fn scene(bridge: &Shared, stage: &Stage, progress: &mut dyn FnMut(f64)) -> R
             .at(format!("{:.3} s", at as f64 / a.rate_hz))
     };
     let mut checks = vec![
+        verdict,
         percent("scene: vertical force, RMS difference", gap.rms, gap.at, 0.01)
             .because(format!("{reason}; {compliance}")),
         percent("scene: vertical force, largest difference", gap.peak, gap.at, 0.05),

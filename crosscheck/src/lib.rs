@@ -9,6 +9,7 @@
 //! | [`rigid`] | masses, mass matrix, forces, momenta, energies at random states |
 //! | [`forward`] | motion without contacts, order of convergence |
 //! | [`ground`] | contact: boxes, standing, a scene on its feet |
+//! | [`push`] | the push-recovery map in both engines |
 //! | [`inject`] | faults put in on purpose |
 //! | [`check`], [`report`] | a row of the table; the table as text, page and JSON |
 //! | [`world`] | MuJoCo as an engine of the dynamic pass |
@@ -20,6 +21,7 @@ pub mod environment;
 pub mod forward;
 pub mod ground;
 pub mod inject;
+pub mod push;
 pub mod report;
 pub mod rigid;
 pub mod subject;

@@ -12,6 +12,7 @@
 use std::cell::RefCell;
 use std::path::{Path, PathBuf};
 use std::rc::Rc;
+use std::sync::Mutex;
 
 use dynamics::import::{self, ImportError, ImportOptions, Imported};
 use dynamics::mjcf::{self, MjcfError, MjcfOptions};
@@ -19,6 +20,7 @@ use dynamics::mujoco_layout::Layout;
 use dynamics::{Character, Model, RootMode};
 use motion::{Quat, Vec3};
 use scenes::overrides::{Overrides, RootChoice};
+use scenes::push::PushSettings;
 use scenes::{Stage, StageError};
 use sim::PassError;
 
@@ -28,6 +30,7 @@ use crate::environment::{self, EnvironmentError};
 use crate::forward::{self, ForwardRun};
 use crate::ground::{self, LandingRun, SceneRun};
 use crate::inject::{Injection, InjectionError};
+use crate::push::{self, PushPair};
 use crate::rigid::{self, OFF, Pair};
 
 /// How to cross-check.
@@ -45,6 +48,8 @@ pub struct Options {
     pub inject: Vec<Injection>,
     /// Random states only: no motion, no contact.
     pub states_only: bool,
+    /// Compare the push-recovery maps of both engines too.
+    pub push_map: Option<PushSettings>,
 }
 
 impl Default for Options {
@@ -56,6 +61,7 @@ impl Default for Options {
             against: None,
             inject: Vec::new(),
             states_only: false,
+            push_map: None,
         }
     }
 }
@@ -74,6 +80,9 @@ pub enum CrossCheckError {
         "{0}: cannot compare this; allowed: a scene or character (.ron), a clip (.bvh), a physics model (MJCF .xml, .urdf)"
     )]
     Kind(String),
+    /// A push map of something that does not stand.
+    #[error("{0}: a push map needs a scene (.ron) of a body that stands free")]
+    NoScene(String),
     /// A fault that cannot be put in.
     #[error("--inject: {0}")]
     Inject(#[from] InjectionError),
@@ -97,6 +106,9 @@ pub enum CrossCheckError {
     /// A run that failed.
     #[error(transparent)]
     Pass(#[from] PassError),
+    /// A body that cannot be pushed.
+    #[error(transparent)]
+    Push(scenes::push::PushError),
     /// An engine that failed.
     #[error(transparent)]
     World(#[from] sim::WorldError),
@@ -105,11 +117,15 @@ pub enum CrossCheckError {
 impl CrossCheckError {
     /// Whether the input is at fault, not the run.
     pub fn is_input(&self) -> bool {
+        if let Self::Push(e) = self {
+            return e.is_input();
+        }
         matches!(
             self,
             Self::Stage(_)
                 | Self::Import(_)
                 | Self::Kind(_)
+                | Self::NoScene(_)
                 | Self::Inject(_)
                 | Self::Against { .. }
                 | Self::Mjcf(_)
@@ -138,6 +154,8 @@ pub struct CrossCheck {
     pub landing: Option<LandingRun>,
     /// The scene on its feet.
     pub scene: Option<SceneRun>,
+    /// Push-recovery maps.
+    pub push: Option<PushPair>,
 }
 
 impl CrossCheck {
@@ -169,9 +187,12 @@ enum Subject {
 pub fn run(
     path: &Path,
     options: &Options,
-    say: &mut dyn FnMut(Event<'_>),
+    say: &mut (dyn FnMut(Event<'_>) + Send),
 ) -> Result<CrossCheck, CrossCheckError> {
     let subject = open(path, options)?;
+    if options.push_map.is_some() && !matches!(subject, Subject::Stage(_)) {
+        return Err(CrossCheckError::NoScene(path.display().to_string()));
+    }
     let other = options.against.as_deref().map(|p| open(p, options).map(|s| (p, s))).transpose()?;
     let python = environment::prepare(&mut |text| say(Event::Note(text)))?;
     say(Event::Part("random states", 0.0));
@@ -187,6 +208,7 @@ pub fn run(
         forward: None,
         landing: None,
         scene: None,
+        push: None,
     };
     let wrong = |c: &Character| -> Result<Character, InjectionError> {
         options.inject.iter().try_fold(c.clone(), |c, fault| fault.apply(&c))
@@ -234,7 +256,32 @@ pub fn run(
     if let (Subject::Stage(stage), false) = (&subject, options.states_only) {
         engines(path, stage, options, &bridge, &mut out, say)?;
     }
+    if let (Subject::Stage(stage), Some(settings)) = (&subject, options.push_map) {
+        pushes(stage, settings, &mut out, say)?;
+    }
     Ok(out)
+}
+
+/// The push-recovery maps of a stage in both engines.
+fn pushes(
+    stage: &Stage,
+    settings: PushSettings,
+    out: &mut CrossCheck,
+    say: &mut (dyn FnMut(Event<'_>) + Send),
+) -> Result<(), CrossCheckError> {
+    say(Event::Part("push maps", 0.0));
+    let say = Mutex::new(say);
+    let tell = |event: Event<'_>| {
+        if let Ok(mut say) = say.lock() {
+            say(event);
+        }
+    };
+    let pair = push::compare(stage, settings, &mut |text| tell(Event::Note(text)), &|x| {
+        tell(Event::Part("push maps", x));
+    })?;
+    out.checks.push(pair.check.clone());
+    out.push = Some(pair);
+    Ok(())
 }
 
 impl Subject {

@@ -94,7 +94,8 @@ impl MujocoWorld {
         let set_points: Vec<SetPoints> =
             model.bodies.iter().map(|b| SetPoints::of(&b.joint, links[b.link].limits.as_ref())).collect();
         let antagonists = axis_set_points(&character.skeleton);
-        let ground = settings.ground.map(|g| MjcfGround { height_m: g.height_m, friction: g.friction });
+        let ground =
+            settings.ground.map(|g| MjcfGround { height_m: g.height_m, friction: g.friction, up: g.up });
         let options = MjcfOptions { gravity: settings.gravity, ground, antagonists };
         let file = mjcf::write(character, &options).map_err(|e| WorldError::Engine(e.to_string()))?;
         // our stops stand in for its limits
@@ -171,6 +172,8 @@ fn engine(e: BridgeError) -> WorldError {
 }
 
 impl Engine for MujocoWorld {
+    const NAME: &'static str = "mujoco";
+
     fn model(&self) -> &Model {
         &self.model
     }
@@ -192,6 +195,18 @@ impl Engine for MujocoWorld {
 
     fn stops(&self) -> &[f64] {
         &self.stops
+    }
+
+    fn set_masses(&mut self, character: &Character) -> Result<(), WorldError> {
+        let mut numbers = Vec::new();
+        for (link, body) in character.bodies.iter().enumerate().filter(|(_, b)| b.mass > 0.0) {
+            numbers.extend([self.body_there[link], body.mass]);
+            numbers.extend_from_slice(body.com.as_slice());
+            numbers.extend_from_slice(body.inertia.as_slice());
+        }
+        self.bridge.borrow_mut().call(&json!({"op": "masses"}), &numbers).map_err(engine)?;
+        self.model = Model::new(character, self.settings.gravity);
+        Ok(())
     }
 
     fn set_drives(&mut self, drives: &[Drive]) {

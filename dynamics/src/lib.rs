@@ -8,7 +8,9 @@
 //! | [`analysis`] | what forces a clip needs, and whether the ground can give them |
 //! | [`analysis_files`] | an analysis as CSV, MOT, npz, and as a trace |
 //! | [`anthropometry`] | a body for any human-like skeleton |
+//! | [`carried`] | masses a character carries |
 //! | [`character`] | mass, inertia, shapes and contact points on a skeleton |
+//! | [`fall`] | whether and why a body fell |
 //! | [`mjcf`] | a character as MJCF |
 //! | [`mujoco_layout`] | between our vectors and MuJoCo's |
 //! | [`model`] | a character compiled for dynamics, and its world-frame state |
@@ -29,9 +31,11 @@
 pub mod analysis;
 pub mod analysis_files;
 pub mod anthropometry;
+pub mod carried;
 pub mod character;
 pub mod crba;
 pub mod derivatives;
+pub mod fall;
 pub mod forward;
 pub mod ground_forces;
 pub mod import;
@@ -47,6 +51,7 @@ pub mod trace_npz;
 
 pub use analysis::{Analysis, AnalysisError, AnalysisOptions, Grade, Ground, analyze};
 pub use anthropometry::{BodyOptions, BodyReport, GuessError, guess_body, guess_body_of_clip};
+pub use carried::{Carried, Carrying};
 pub use character::{Body, Character, CharacterError, JointClass};
 pub use derivatives::InverseDerivatives;
 pub use forward::{ForwardDynamics, NoInertia};
@@ -56,5 +61,5 @@ pub use model::{Model, MovingBody, State};
 pub use penalty::Penalty;
 pub use pose_map::{PoseMap, PoseMapError};
 pub use rnea::{Wrench, total_wrench};
-pub use trace::{ContactSample, RootMode, Trace};
+pub use trace::{ContactSample, Disturbed, Handed, RootMode, Trace};
 pub use trace_npz::TraceFileError;

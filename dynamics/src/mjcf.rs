@@ -31,6 +31,8 @@ pub struct MjcfGround {
     pub height_m: f64,
     /// Coulomb friction coefficient, of the plane and of the body's geoms.
     pub friction: f64,
+    /// Direction in which it faces, unit length.
+    pub up: Vec3,
 }
 
 /// What an MJCF file holds besides the body.
@@ -131,7 +133,13 @@ impl Writer<'_> {
         self.line(1, "<worldbody>");
         if let Some(ground) = self.options.ground {
             let at = numbers(&[0.0, ground.height_m, 0.0]);
-            let turn = "0.70710678118654757 -0.70710678118654757 0 0";
+            let turn = if ground.up == Vec3::y() {
+                "0.70710678118654757 -0.70710678118654757 0 0".to_owned()
+            } else {
+                // the plane's normal is its z axis
+                let r = motion::rotation::between(&Vec3::z(), &ground.up);
+                numbers(&[r.w, r.i, r.j, r.k])
+            };
             self.line(
                 2,
                 &format!(

@@ -1,15 +1,15 @@
 //! Traces: everything a dynamic run recorded, one row per control step.
 //!
 //! Row `k` holds the state at `k / rate_hz` and the forces that acted during the step that led to it,
-//! so that `momentum[k] − momentum[k−1] = (m g + Σ contacts[k] + root_wrench[k]) / rate_hz`. Row 0
-//! is the start: its forces are zero. SI units, world frame unless said; layouts of `q` and `v` are
+//! so that `momentum[k] − momentum[k−1] = (m g + Σ contacts[k] + root_wrench[k] + disturbed.wrench[k]) / rate_hz`,
+//! m with what is carried. Row 0 is the start: its forces are zero. SI units, world frame unless said; layouts of `q` and `v` are
 //! those of [`motion::skeleton`].
 
 use std::sync::Arc;
 
 use motion::{Clip, Vec3};
 
-use crate::Character;
+use crate::{Carried, Character};
 
 /// What holds the root.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -40,6 +40,45 @@ pub struct ContactSample {
     pub force: Vec3,
     /// Depth of penetration, m (negative when apart).
     pub depth: f64,
+}
+
+/// A mass that is carried for a part of a run.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Handed {
+    /// The mass.
+    pub what: Carried,
+    /// First row whose forces move it.
+    pub from_row: usize,
+    /// First row whose forces move it no more; beyond the last row if it is kept.
+    pub to_row: usize,
+}
+
+impl Handed {
+    /// Whether the forces of a row move it.
+    pub fn in_row(&self, row: usize) -> bool {
+        (self.from_row..self.to_row).contains(&row)
+    }
+}
+
+/// What the world does to the body beyond gravity, level ground and contacts.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Disturbed {
+    /// Direction in which the ground faces, unit length.
+    pub ground_up: Vec3,
+    /// Wrench of pushes and of hands that give and take what is carried, `rows × 6`: force (N), moment about the
+    /// root's origin (N·m). A mass is given and taken at the velocity of its link: its momentum comes and goes
+    /// within one row. Empty where there is none.
+    pub wrench: Vec<f64>,
+    /// Masses carried.
+    pub carried: Vec<Handed>,
+    /// World position of the centre of each of them, `rows × carried × 3`, m: in rows without it, where it would be.
+    pub carried_com: Vec<f64>,
+}
+
+impl Default for Disturbed {
+    fn default() -> Self {
+        Self { ground_up: Vec3::y(), wrench: Vec::new(), carried: Vec::new(), carried_com: Vec::new() }
+    }
 }
 
 /// What a dynamic run recorded. See the module header.
@@ -85,6 +124,8 @@ pub struct Trace {
     /// World position of each link's centre of mass, `rows × links × 3`, m; empty when not recorded.
     /// With the masses it gives momentum by a road that does not pass through `v` or `momentum`.
     pub link_com: Vec<f64>,
+    /// Pushes, tilted ground, carried masses.
+    pub disturbed: Disturbed,
     /// Kinetic and potential energy, `rows × 2`, J; potential from height zero.
     pub energy: Vec<f64>,
     /// Wall time of the run, s. Not written to files: it would break their determinism.
@@ -133,6 +174,17 @@ impl Trace {
         sums
     }
 
+    /// Mass that the forces of a row move: the body and what it carries, kg.
+    pub fn mass_at(&self, row: usize) -> f64 {
+        let carried = self.disturbed.carried.iter().filter(|c| c.in_row(row));
+        self.character.mass() + carried.map(|c| c.what.mass).sum::<f64>()
+    }
+
+    /// Height of a point over the ground plane, along the plane's normal, m; over zero without ground.
+    pub fn height(&self, p: &Vec3) -> f64 {
+        self.disturbed.ground_up.dot(&(p - Vec3::y() * self.ground_m.unwrap_or(0.0)))
+    }
+
     /// Centre of pressure of a row on the ground plane, m; `None` without load.
     pub fn cop(&self, row: usize) -> Option<Vec3> {
         let first = self.contacts.partition_point(|c| c.row < row);
@@ -145,20 +197,19 @@ impl Trace {
     }
 
     /// What held the body beyond gravity and contacts, `rows × 6`: force (N), moment about the root's
-    /// origin (N·m). Of a held root the wrench on record; of a free one `d(momentum)/dt − m g − Σ contacts`,
-    /// which is the error of the integrator. Zero in row 0.
+    /// origin (N·m). Of a held root the wrench on record; of a free one `d(momentum)/dt − m g − Σ contacts` without
+    /// pushes and hands, which is the error of the integrator. Zero in row 0.
     pub fn residual(&self) -> Vec<f64> {
         if self.root != RootMode::Free {
             return self.root_wrench.clone();
         }
         let rows = self.rows();
-        let mass = self.character.mass();
         let momentum = |row: usize, at: usize| motion::skeleton::vec_at(&self.momentum, 6 * row + at);
         let mut force = vec![Vec3::zeros(); rows];
         let mut moment = vec![Vec3::zeros(); rows];
         for row in 1..rows {
             let change = |at: usize| (momentum(row, at) - momentum(row - 1, at)) * self.rate_hz;
-            (force[row], moment[row]) = (change(0) - self.gravity * mass, change(3));
+            (force[row], moment[row]) = (change(0) - self.gravity * self.mass_at(row), change(3));
         }
         for c in self.contacts.iter().filter(|c| c.row > 0) {
             force[c.row] -= c.force;
@@ -167,8 +218,13 @@ impl Trace {
         let root = |row: usize| motion::Kinematics::new(&self.character.skeleton, self.pose(row)).origin(0);
         (0..rows)
             .flat_map(|row| {
-                let m = moment[row] + (self.com_at(row) - root(row)).cross(&force[row]);
-                [force[row].x, force[row].y, force[row].z, m.x, m.y, m.z]
+                let mut m = moment[row] + (self.com_at(row) - root(row)).cross(&force[row]);
+                let mut f = force[row];
+                if let Some(w) = self.disturbed.wrench.get(6 * row..6 * row + 6) {
+                    f -= motion::skeleton::vec_at(w, 0);
+                    m -= motion::skeleton::vec_at(w, 3);
+                }
+                [f.x, f.y, f.z, m.x, m.y, m.z]
             })
             .collect()
     }
@@ -186,6 +242,19 @@ impl Trace {
         };
         let inside = |c: &&ContactSample| rows.contains(&c.row);
         let contacts = self.contacts.iter().filter(inside);
+        let d = &self.disturbed;
+        let shifted = |row: usize| row.saturating_sub(rows.start);
+        let handed = |c: &Handed| Handed {
+            what: c.what.clone(),
+            from_row: shifted(c.from_row),
+            to_row: shifted(c.to_row),
+        };
+        let disturbed = Disturbed {
+            ground_up: d.ground_up,
+            wrench: part(&d.wrench),
+            carried: d.carried.iter().map(handed).collect(),
+            carried_com: part(&d.carried_com),
+        };
         Self {
             q: part(&self.q),
             v: part(&self.v),
@@ -200,6 +269,7 @@ impl Trace {
             com: part(&self.com),
             momentum: part(&self.momentum),
             link_com: part(&self.link_com),
+            disturbed,
             energy: part(&self.energy),
             character: self.character.clone(),
             ..*self

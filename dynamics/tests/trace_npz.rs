@@ -66,6 +66,7 @@ fn projectile(rows: usize, substeps: usize) -> Trace {
         com: Vec::new(),
         momentum: Vec::new(),
         link_com: Vec::new(),
+        disturbed: dynamics::Disturbed::default(),
         energy: vec![0.0; rows * 2],
         wall_s: 12.3,
     };

@@ -5,10 +5,22 @@ use std::io::{Cursor, Read, Write};
 use std::sync::Arc;
 
 use dynamics::anthropometry::human::human;
-use dynamics::{ContactSample, RootMode, Trace, TraceFileError};
+use dynamics::{Carried, ContactSample, Disturbed, Handed, RootMode, Trace, TraceFileError};
 use motion::{Joint, Range, Shape, Vec3};
 use zip::write::FileOptions;
 use zip::{CompressionMethod, ZipArchive, ZipWriter};
+
+/// Tilted ground, a push, and a crate for three rows.
+fn disturbed(rows: usize) -> Disturbed {
+    let what = Carried::solid_box(7, 5.0, Vec3::new(0.1, -0.2, 0.3), Vec3::new(0.3, 0.2, 0.1));
+    let numbers = |n: usize| (0..n * rows).map(|i| (i as f64).cos()).collect();
+    Disturbed {
+        ground_up: Vec3::new(0.6, 0.8, 0.0),
+        wrench: numbers(6),
+        carried: vec![Handed { what, from_row: 1, to_row: 4 }],
+        carried_com: numbers(3),
+    }
+}
 
 /// A trace of the standard human whose numbers are all different, with every kind of shape and limit.
 fn sample(rows: usize) -> Trace {
@@ -48,6 +60,7 @@ fn sample(rows: usize) -> Trace {
         com: numbers(rows * 3),
         momentum: numbers(rows * 6),
         link_com: numbers(rows * 3 * links),
+        disturbed: disturbed(rows),
         energy: numbers(rows * 2),
         wall_s: 0.0,
         character: Arc::new(character),
@@ -83,6 +96,7 @@ fn what_is_read_is_what_was_written() {
     let mut bare = sample(1);
     bare.ground_m = None;
     bare.link_com.clear();
+    bare.disturbed = Disturbed::default();
     bare.wall_s = 3.0;
     let back = read(&bytes(&bare)).unwrap();
     assert_eq!(back.wall_s, 0.0);

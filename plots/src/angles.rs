@@ -10,7 +10,7 @@ use std::f64::consts::{PI, TAU};
 use motion::rotation::log;
 use motion::{BallLimits, EulerOrder, Joint, Limits, Link, Range, Vec3};
 
-use crate::columns::{TIME, WIDTH, axis_name, empty_page, rows};
+use crate::columns::{TIME, WIDTH, axis_name, empty_page, mark_fall, rows};
 use crate::excerpt::Excerpt;
 use crate::figure::Figure;
 use crate::panel::{Clock, Guide, Key, Panel, Series, Stroke, page};
@@ -45,7 +45,7 @@ pub fn joint_angles<'a>(trace: impl Into<Excerpt<'a>>, note: &str) -> Figure {
         n if n > MOST => format!("{note} · the {MOST} of {n} joints that move most"),
         _ => note.to_owned(),
     };
-    let keys = [
+    let mut keys = vec![
         Key::line(performed, INK),
         Key::dashed(asked, INK),
         Key::line("limit, in the tint of its curve", REFERENCE),
@@ -53,6 +53,7 @@ pub fn joint_angles<'a>(trace: impl Into<Excerpt<'a>>, note: &str) -> Figure {
     let columns = if moving.len() > 4 { 3 } else { 2 };
     let mut panels: Vec<Panel> = moving.iter().map(|(link, _)| panel(trace, *link, rows)).collect();
     label_time(&mut panels, columns);
+    mark_fall(trace, &mut panels, &mut keys);
     page(title, &shown, &keys, &panels, columns, WIDTH, 150.0)
 }
 

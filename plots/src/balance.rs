@@ -13,7 +13,7 @@ use std::collections::BTreeMap;
 use motion::support::{Vec2, ground};
 use motion::{Kinematics, Support, Vec3};
 
-use crate::columns::{TIME, WIDTH, empty_page, rows, vectors, weight};
+use crate::columns::{TIME, WIDTH, empty_page, mark_fall, rows, vectors, weight};
 use crate::excerpt::Excerpt;
 use crate::figure::Figure;
 use crate::gains::zero;
@@ -38,13 +38,15 @@ pub fn center_of_mass<'a>(trace: impl Into<Excerpt<'a>>, note: &str) -> Figure {
         return empty_page(title, note, "the trace has no rows");
     }
     let supports = supports(trace, rows);
-    let keys = [
+    let mut keys = vec![
         Key::line("centre of mass", BLUE),
         Key::line("centre of pressure", VERMILION),
         Key::area("support at the start", GRID),
         Key::area("each foot, each time it stands", SOLE),
         Key::dot("start", INK),
     ];
+    let mut over_time = [margin(trace, &com[..rows], &supports), com_height(trace, &com[..rows])];
+    mark_fall(trace, &mut over_time, &mut keys);
     let (width, height, gap) = (WIDTH, 620.0, 24.0);
     let top = header(&mut Figure::new(width, 100.0), title, note, &keys);
     let mut figure = Figure::new(width, top + height + 0.6 * MARGIN);
@@ -54,8 +56,8 @@ pub fn center_of_mass<'a>(trace: impl Into<Excerpt<'a>>, note: &str) -> Figure {
     let x = MARGIN + left + gap;
     let half = 0.5 * (height - 12.0);
     let size = [width - MARGIN - x, half];
-    place(&mut figure, &margin(trace, &com[..rows], &supports), [x, top], size);
-    place(&mut figure, &com_height(trace, &com[..rows]), [x, top + half + 12.0], size);
+    place(&mut figure, &over_time[0], [x, top], size);
+    place(&mut figure, &over_time[1], [x, top + half + 12.0], size);
     figure
 }
 

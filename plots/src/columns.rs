@@ -5,11 +5,15 @@
 use dynamics::Trace;
 use motion::{Joint, Skeleton, Vec3};
 
+use crate::excerpt::Excerpt;
 use crate::figure::Figure;
-use crate::panel::{Panel, page};
+use crate::panel::{Key, Moment, Panel, Stroke, page};
+use crate::style::{Color, PURPLE};
 
 /// Width of the pages with panels, px.
 pub const WIDTH: f64 = 1500.0;
+/// Of a fall.
+const FALL: Color = PURPLE;
 /// Under every axis of time.
 pub const TIME: &str = "time (s)";
 
@@ -43,6 +47,20 @@ pub fn axis_name(axis: &Vec3, number: usize) -> String {
         }
     }
     (number + 1).to_string()
+}
+
+/// Marks the fall of a run, and the loss that led to it, on panels over time; the legend gets their names.
+pub fn mark_fall(trace: &Excerpt, panels: &mut [Panel], keys: &mut Vec<Key>) {
+    let Some(fall) = trace.fall() else { return };
+    let mut moments = vec![Moment { x: fall.time_s, color: FALL, stroke: Stroke::Solid }];
+    keys.push(Key::line("the body has fallen", FALL));
+    if let Some(cause) = fall.cause() {
+        moments.push(Moment { x: cause.time_s, color: FALL, stroke: Stroke::Dashed });
+        keys.push(Key::dashed(&cause.to_string(), FALL));
+    }
+    for panel in panels {
+        panel.moments.extend(&moments);
+    }
 }
 
 /// A page that says why it is empty.

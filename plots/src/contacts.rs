@@ -6,7 +6,7 @@
 use motion::Vec3;
 
 use crate::angles::label_time;
-use crate::columns::{WIDTH, empty_page, rows, weight};
+use crate::columns::{WIDTH, empty_page, mark_fall, rows, weight};
 use crate::excerpt::Excerpt;
 use crate::figure::Figure;
 use crate::gains::zero;
@@ -41,8 +41,12 @@ pub fn contact_forces<'a>(trace: impl Into<Excerpt<'a>>, note: &str) -> Figure {
         sum.into_iter().chain(parts.iter().map(|p| of(&p.forces, p.color))).collect()
     };
     let horizontal = |f: &Vec3| f.x.hypot(f.z);
+    let up = trace.disturbed.ground_up;
     let friction = parts.iter().map(|p| {
-        let used = |f: &Vec3| if f.y > LOADED * weight { f.x.hypot(f.z) / f.y } else { f64::NAN };
+        let used = |f: &Vec3| {
+            let normal = f.dot(&up);
+            if normal > LOADED * weight { (f - up * normal).norm() / normal } else { f64::NAN }
+        };
         Series::over_time(trace.clock(), after_start(&p.forces, used), p.color)
     });
     let mean = total[1.min(rows)..].iter().map(|f| f.y).sum::<f64>() / rows.saturating_sub(1).max(1) as f64;
@@ -67,7 +71,7 @@ pub fn contact_forces<'a>(trace: impl Into<Excerpt<'a>>, note: &str) -> Figure {
             ..Panel::default()
         },
         Panel {
-            title: "friction used: horizontal over vertical, while over 5 % of body weight".into(),
+            title: "friction used: along the ground over normal to it, while over 5 % of body weight".into(),
             y_label: "ratio".into(),
             series: friction.collect(),
             guides: vec![zero(true)],
@@ -81,6 +85,7 @@ pub fn contact_forces<'a>(trace: impl Into<Excerpt<'a>>, note: &str) -> Figure {
         keys.push(Key::line("total", INK));
     }
     keys.push(Key::dashed("body weight", REFERENCE));
+    mark_fall(trace, &mut panels, &mut keys);
     page(title, note, &keys, &panels, 1, WIDTH, 200.0)
 }
 

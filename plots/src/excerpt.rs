@@ -6,6 +6,7 @@ use std::borrow::Cow;
 use std::ops::Deref;
 
 use dynamics::Trace;
+use dynamics::fall::{self, Fall};
 
 use crate::columns;
 use crate::panel::Clock;
@@ -17,6 +18,7 @@ pub struct Excerpt<'a> {
     start_s: f64,
     joints: Option<Vec<usize>>,
     names: [&'static str; 2],
+    fall: Option<Fall>,
 }
 
 /// What the two motions of a trace are called.
@@ -25,7 +27,8 @@ const NAMES: [&str; 2] = ["asked for", "performed"];
 impl<'a> Excerpt<'a> {
     /// The whole trace.
     pub fn whole(trace: &'a Trace) -> Self {
-        Self { trace: Cow::Borrowed(trace), start_s: 0.0, joints: None, names: NAMES }
+        let fall = fall::of(trace);
+        Self { trace: Cow::Borrowed(trace), start_s: 0.0, joints: None, names: NAMES, fall }
     }
 
     /// The rows from `from_s` to `to_s`, ends included; at least one row.
@@ -42,6 +45,8 @@ impl<'a> Excerpt<'a> {
             start_s: first as f64 / trace.rate_hz,
             joints: None,
             names: NAMES,
+            // of the whole run: a span may begin after the cause
+            fall: fall::of(trace),
         }
     }
 
@@ -60,6 +65,11 @@ impl<'a> Excerpt<'a> {
     /// Names of the motion asked for and of the one performed.
     pub(crate) fn names(&self) -> [&'static str; 2] {
         self.names
+    }
+
+    /// The fall of the run, if its body fell.
+    pub fn fall(&self) -> Option<&Fall> {
+        self.fall.as_ref()
     }
 
     /// Time of its rows.
@@ -92,6 +102,12 @@ impl<'a> From<&'a Trace> for Excerpt<'a> {
 
 impl<'a> From<&'a Excerpt<'a>> for Excerpt<'a> {
     fn from(e: &'a Excerpt<'a>) -> Self {
-        Self { trace: Cow::Borrowed(&e.trace), start_s: e.start_s, joints: e.joints.clone(), names: e.names }
+        Self {
+            trace: Cow::Borrowed(&e.trace),
+            start_s: e.start_s,
+            joints: e.joints.clone(),
+            names: e.names,
+            fall: e.fall.clone(),
+        }
     }
 }

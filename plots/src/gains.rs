@@ -12,7 +12,7 @@ use motion::rotation::exp;
 use motion::{BallLimits, Joint, Limits, Range, Vec3};
 
 use crate::angles::{ball_axes, label_time};
-use crate::columns::{empty_page, rows};
+use crate::columns::{empty_page, mark_fall, rows};
 use crate::excerpt::Excerpt;
 use crate::figure::Figure;
 use crate::panel::{Guide, Key, Panel, Series, Stroke, page};
@@ -43,13 +43,14 @@ pub fn gains_and_torques<'a>(trace: impl Into<Excerpt<'a>>, note: &str) -> Figur
         n if n > MOST => format!("{note} · the {MOST} of {n} joints with the largest torques"),
         _ => note.to_owned(),
     };
-    let keys = [
+    let mut keys = vec![
         Key::line("k_lo: gain towards the lower set point", BLUE),
         Key::line("k_hi: gain towards the upper set point", VERMILION),
         Key::line("torque of both springs and the damper", INK),
     ];
     let mut panels: Vec<Panel> = working.iter().flat_map(|w| w.panels(trace)).collect();
     label_time(&mut panels, COLUMNS.min(2 * working.len()));
+    mark_fall(trace, &mut panels, &mut keys);
     page(title, &shown, &keys, &panels, COLUMNS, 1600.0, 150.0)
 }
 

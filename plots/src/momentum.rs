@@ -7,7 +7,7 @@
 use motion::Vec3;
 
 use crate::angles::{COLORS, label_time};
-use crate::columns::{WIDTH, empty_page, rows, short, vectors, weight};
+use crate::columns::{WIDTH, empty_page, mark_fall, rows, short, vectors, weight};
 use crate::excerpt::Excerpt;
 use crate::figure::Figure;
 use crate::gains::zero;
@@ -23,8 +23,9 @@ pub fn momenta<'a>(trace: impl Into<Excerpt<'a>>, note: &str) -> Figure {
     if rows < 2 {
         return empty_page(title, note, "fewer than two rows: nothing to differentiate");
     }
-    let (mass, weight) = (trace.character.mass(), weight(trace));
-    let rate = linear.windows(2).map(|p| (p[1] - p[0]) * trace.rate_hz - trace.gravity * mass);
+    let weight = weight(trace);
+    let rate = (1..linear.len())
+        .map(|row| (linear[row] - linear[row - 1]) * trace.rate_hz - trace.gravity * trace.mass_at(row));
     let force: Vec<Vec3> = std::iter::once(Vec3::repeat(f64::NAN)).chain(rate).collect();
     let peak = |of: &[Vec3]| of.iter().map(|v| v.norm()).filter(|n| n.is_finite()).fold(0.0, f64::max);
     let panel = |of: &[Vec3], title: String, unit: &str, least_span: f64| Panel {
@@ -58,11 +59,12 @@ pub fn momenta<'a>(trace: impl Into<Excerpt<'a>>, note: &str) -> Figure {
         ),
     ];
     label_time(&mut panels, 1);
-    let keys = [
+    let mut keys = vec![
         Key::line("x, to the left", COLORS[0]),
         Key::line("y, up", COLORS[1]),
         Key::line("z, forward", COLORS[2]),
         Key::dashed("body weight", REFERENCE),
     ];
+    mark_fall(trace, &mut panels, &mut keys);
     page(title, note, &keys, &panels, 1, WIDTH, 180.0)
 }

@@ -77,6 +77,17 @@ pub struct Guide {
     pub always: bool,
 }
 
+/// A vertical reference line.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Moment {
+    /// Where on the horizontal axis, data units; not drawn beyond its ends.
+    pub x: f64,
+    /// Colour.
+    pub color: Color,
+    /// Solid or dashed.
+    pub stroke: Stroke,
+}
+
 /// One pair of axes.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Panel {
@@ -96,6 +107,8 @@ pub struct Panel {
     pub dots: Vec<([f64; 2], f64, Color)>,
     /// Least height of the vertical axis, data units, so that noise stays small.
     pub least_span: f64,
+    /// Vertical lines at moments that matter.
+    pub moments: Vec<Moment>,
     /// One unit is as long on both axes.
     pub equal: bool,
     /// Steps of the vertical axis are parts of a circle.
@@ -345,6 +358,14 @@ impl Panel {
             match guide.stroke {
                 Stroke::Solid => figure.line(line.to_vec(), guide.color, THIN),
                 Stroke::Dashed => figure.dashed(&line, guide.color, 1.2, [7.0, 4.0]),
+            }
+        }
+        for moment in self.moments.iter().filter(|m| !empty && m.x >= x[0] && m.x <= x[1]) {
+            let at = px(&[moment.x, 0.0])[0];
+            let line = [[at, frame.at[1]], [at, bottom]];
+            match moment.stroke {
+                Stroke::Solid => figure.line(line.to_vec(), moment.color, 1.4),
+                Stroke::Dashed => figure.dashed(&line, moment.color, 1.4, [5.0, 3.5]),
             }
         }
         for series in &self.series {

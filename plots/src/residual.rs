@@ -7,9 +7,10 @@
 
 use dynamics::RootMode;
 use motion::Vec3;
+use motion::skeleton::vec_at;
 
 use crate::angles::{COLORS, label_time};
-use crate::columns::{WIDTH, empty_page, rms, rows, short, vectors, weight};
+use crate::columns::{WIDTH, empty_page, mark_fall, rms, rows, short, vectors, weight};
 use crate::excerpt::Excerpt;
 use crate::figure::Figure;
 use crate::gains::zero;
@@ -69,13 +70,14 @@ pub fn momentum_residual<'a>(trace: impl Into<Excerpt<'a>>, note: &str) -> Figur
     if trace.root != RootMode::Free {
         panels.extend(held(trace, &force, weight, least));
     }
-    let keys = [
+    let mut keys = vec![
         Key::line("x, to the left", COLORS[0]),
         Key::line("y, up", COLORS[1]),
         Key::line("z, forward", COLORS[2]),
         Key::line("magnitude", INK),
     ];
     label_time(&mut panels, 1);
+    mark_fall(trace, &mut panels, &mut keys);
     let height = if panels.len() > 3 { 130.0 } else { 180.0 };
     page(title, note, &keys, &panels, 1, WIDTH, height)
 }
@@ -106,18 +108,24 @@ fn held(trace: &Excerpt, force: &[Vec3], weight: f64, least: f64) -> Vec<Panel> 
     ]
 }
 
-/// Force, and moment about the centre of mass, that neither gravity nor contacts explain, for the rows
-/// from 1 on.
+/// Force, and moment about the centre of mass, that neither gravity, contacts, pushes nor what is handed over
+/// explain, for the rows from 1 on.
 pub fn unexplained(trace: &Excerpt) -> (Vec<Vec3>, Vec<Vec3>) {
     let (linear, angular) = (vectors(&trace.momentum, 6, 0), vectors(&trace.momentum, 6, 3));
     let com = vectors(&trace.com, 3, 0);
     let rows = rows(trace).min(linear.len()).min(com.len());
-    let mass = trace.character.mass();
+    let outside = &trace.disturbed.wrench;
     let mut force = Vec::with_capacity(rows);
     let mut moment = Vec::with_capacity(rows);
     for row in 1..rows {
-        force.push((linear[row] - linear[row - 1]) * trace.rate_hz - trace.gravity * mass);
+        force.push((linear[row] - linear[row - 1]) * trace.rate_hz - trace.gravity * trace.mass_at(row));
         moment.push((angular[row] - angular[row - 1]) * trace.rate_hz);
+        if let Some(w) = outside.get(6 * row..6 * row + 6) {
+            let root = trace.character.skeleton.position(trace.pose(row), 0);
+            let f = vec_at(w, 0);
+            force[row - 1] -= f;
+            moment[row - 1] -= vec_at(w, 3) + (root - com[row]).cross(&f);
+        }
     }
     for c in trace.contacts.iter().filter(|c| c.row > 0 && c.row < rows) {
         force[c.row - 1] -= c.force;

@@ -9,6 +9,7 @@
 //! | [`scene`] | a scene file, checked |
 //! | [`schema`] | its words |
 //! | [`stage`] | a scene or a clip, ready to be performed |
+//! | [`disturbance_report`] | disturbances and falls, as reports give them |
 //! | [`export`] | a body as MJCF |
 //! | [`inspect`] | what is in a file |
 //! | [`overrides`] | numbers of the dynamic pass given beside the file |
@@ -23,6 +24,8 @@
 
 pub mod angle;
 pub mod character_file;
+pub mod disturbance_report;
+mod disturbances;
 pub mod error;
 pub mod export;
 pub mod inspect;

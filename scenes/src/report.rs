@@ -12,6 +12,7 @@ use serde::Serialize;
 use sim::Outcome;
 
 use crate::Stage;
+use crate::disturbance_report::{DisturbanceReport, FallReport, LegTensionReport};
 use crate::stage::ClipSource;
 
 /// All numbers of a run.
@@ -32,6 +33,8 @@ pub struct Report {
     pub character: CharacterReport,
     /// The motion asked for.
     pub kinematic: KinematicReport,
+    /// What disturbs the performer.
+    pub disturbances: DisturbanceReport,
     /// The motion performed; absent after `--kinematic`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub dynamic: Option<DynamicReport>,
@@ -143,6 +146,8 @@ pub struct DynamicReport {
     pub fell: bool,
     /// When, s.
     pub fell_at_s: Option<f64>,
+    /// How, if it did.
+    pub fall: Option<FallReport>,
     /// Why the run stopped early, if it did.
     pub diverged: Option<String>,
     /// RMS angle to the motion asked for, over all joints but wrists, degrees.
@@ -168,6 +173,9 @@ pub struct DynamicReport {
     pub contact: ContactReport,
     /// Joints too slack for what they had to hold.
     pub sagging: Vec<SaggingReport>,
+    /// Joints of stance legs whose tension is not what was asked: raised because less does not stand, or lowered
+    /// because the soles cannot pass on more.
+    pub leg_tension: Vec<LegTensionReport>,
 }
 
 /// Stiffness of one joint.
@@ -215,7 +223,7 @@ pub struct RootReport {
 pub struct ContactReport {
     /// Mean vertical force, N.
     pub vertical_mean_n: f64,
-    /// Mean vertical force over the last half second, % of body weight.
+    /// Mean vertical force over the last half second, % of the weight of the body and what it then carries.
     pub vertical_end_percent_bw: f64,
     /// Largest vertical force, N.
     pub vertical_peak_n: f64,
@@ -267,6 +275,7 @@ impl Report {
                 jerk_ratio: if plain_jerk > 0.0 { jerk / plain_jerk } else { 1.0 },
                 clamped_frames: stage.clamped,
             },
+            disturbances: DisturbanceReport::new(stage),
             dynamic: outcome.map(|o| dynamic(stage, o)),
             edit_conflicts: stage.log.conflicts().len(),
             files: std::collections::BTreeMap::new(),
@@ -284,7 +293,11 @@ impl Report {
 fn feet(stage: &Stage, clip: &Clip) -> FeetMetrics {
     let c = &stage.character;
     let sites: Vec<_> = c.contacts.iter().map(|&i| &c.skeleton.sites()[i]).collect();
-    metrics::feet(clip, &sites, stage.physics.ground.map_or(0.0, |g| g.height_m))
+    let Some(ground) = stage.physics.ground else { return metrics::feet(clip, &sites, 0.0) };
+    if ground.up == Vec3::y() {
+        return metrics::feet(clip, &sites, ground.height_m);
+    }
+    metrics::feet(&crate::stage::levelled(clip, &ground), &sites, ground.height_m)
 }
 
 fn dynamic(stage: &Stage, o: &Outcome) -> DynamicReport {
@@ -305,6 +318,7 @@ fn dynamic(stage: &Stage, o: &Outcome) -> DynamicReport {
         realtime_factor: simulated / t.wall_s.max(1e-9),
         fell: o.fell_s.is_some(),
         fell_at_s: o.fell_s,
+        fall: o.fall.as_ref().map(FallReport::new),
         diverged: o.diverged.as_ref().map(ToString::to_string),
         joint_rms_deg: metrics::joint_rms_deg(counted.iter().copied()),
         worst_joints: worst
@@ -333,6 +347,17 @@ fn dynamic(stage: &Stage, o: &Outcome) -> DynamicReport {
         feet: feet(stage, clip).into(),
         contact: contact(t),
         sagging: sagging(stage, o),
+        leg_tension: o
+            .leg_tension
+            .iter()
+            .map(|l| LegTensionReport {
+                joint: c.skeleton.links()[l.link].name.clone(),
+                asked: l.asked,
+                used: l.used,
+                asked_nm_rad: l.asked * l.natural,
+                used_nm_rad: l.used * l.natural,
+            })
+            .collect(),
     }
 }
 
@@ -396,6 +421,7 @@ fn contact(t: &Trace) -> ContactReport {
     let rows = sums.len();
     let mean = |s: &[Vec3]| s.iter().map(|f| f.y).sum::<f64>() / s.len().max(1) as f64;
     let last = ((0.5 * t.rate_hz) as usize).clamp(1, rows.max(1));
+    let up = t.disturbed.ground_up;
     let mut used: f64 = 0.0;
     let mut i = 0;
     while i < t.contacts.len() {
@@ -405,14 +431,16 @@ fn contact(t: &Trace) -> ContactReport {
             sum += t.contacts[i].force;
             i += 1;
         }
-        if sum.y > 0.05 * weight {
-            used = used.max(sum.x.hypot(sum.z) / sum.y);
+        let normal = sum.dot(&up);
+        if normal > 0.05 * weight {
+            used = used.max((sum - up * normal).norm() / normal);
         }
     }
     ContactReport {
         // row 0 has no forces yet
         vertical_mean_n: mean(&sums[1.min(rows)..]),
-        vertical_end_percent_bw: 100.0 * mean(&sums[rows - last..]) / weight.max(1e-12),
+        vertical_end_percent_bw: 100.0 * mean(&sums[rows - last..])
+            / (t.mass_at(rows.saturating_sub(1)) * t.gravity.norm()).max(1e-12),
         vertical_peak_n: sums.iter().map(|f| f.y).fold(0.0, f64::max),
         friction_used_max: used,
     }

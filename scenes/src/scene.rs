@@ -8,7 +8,7 @@ use std::path::Path;
 use std::sync::Arc;
 
 use controllers::GainBlend;
-use dynamics::{Character, RootMode};
+use dynamics::{Carrying, Character, RootMode};
 use edits::{
     Amount, Amplitude, Direction, Edit, ExtentReach, ExtentShoulder, Parameter, Place, Selector, Succession,
     Tension,
@@ -73,6 +73,8 @@ pub struct Scene {
     pub physics: Physics,
     /// Pushes from outside.
     pub pushes: Vec<Push>,
+    /// Masses carried.
+    pub carried: Vec<Carrying>,
     /// How film strips are drawn.
     pub strip: StripRon,
 }
@@ -104,6 +106,7 @@ pub fn parse(source: Source, name: String) -> Result<Scene, SceneError> {
     let (script, edits) = (check.script(&ron)?, check.edits(&ron.edits)?);
     let planted = check.planted(ron.planted.as_deref())?;
     let pushes = check.pushes(&ron.pushes)?;
+    let carried = check.carried(&ron.carried)?;
     let rate_hz = check.within("rate_hz", ron.rate_hz, 1.0, 1000.0, "Hz")?;
     let settle_s = check.within("settle_s", ron.settle_s, 0.0, 3600.0, "s")?;
     if ron.strip.figures < 2 || ron.strip.figures > 40 {
@@ -118,19 +121,21 @@ pub fn parse(source: Source, name: String) -> Result<Scene, SceneError> {
         planted,
         physics,
         pushes,
+        carried,
         strip: ron.strip,
         character,
         source,
     })
 }
 
-struct Check<'a> {
-    source: &'a Source,
-    character: &'a Character,
+/// A scene being checked.
+pub(crate) struct Check<'a> {
+    pub(crate) source: &'a Source,
+    pub(crate) character: &'a Character,
 }
 
 impl Check<'_> {
-    fn within(&self, at: &str, x: f64, lo: f64, hi: f64, unit: &str) -> Result<f64, SceneError> {
+    pub(crate) fn within(&self, at: &str, x: f64, lo: f64, hi: f64, unit: &str) -> Result<f64, SceneError> {
         if x >= lo && x <= hi {
             return Ok(x);
         }
@@ -158,10 +163,14 @@ impl Check<'_> {
             self.within("physics.tension", p.tension, *TENSIONS.start(), *TENSIONS.end(), "(1 = natural)")?;
         let ground = match ron.world.ground {
             GroundRon::None => None,
-            GroundRon::Plane { friction, height_m } => Some(Ground {
-                friction: self.within("world.ground.friction", friction, 0.0, 2.0, "")?,
-                height_m: self.within("world.ground.height_m", height_m, -1e3, 1e3, "m")?,
-            }),
+            GroundRon::Plane { friction, height_m, tilt_deg, towards_deg } => {
+                let friction = self.within("world.ground.friction", friction, 0.0, 2.0, "")?;
+                let height_m = self.within("world.ground.height_m", height_m, -1e3, 1e3, "m")?;
+                let tilt = self.within("world.ground.tilt_deg", tilt_deg, 0.0, 30.0, "°")?;
+                let towards = self.within("world.ground.towards_deg", towards_deg, -360.0, 360.0, "°")?;
+                let level = Ground::level(height_m, friction);
+                Some(if tilt > 0.0 { level.tilted(tilt.to_radians(), towards.to_radians()) } else { level })
+            }
         };
         let root = match ron.root {
             RootRon::Free => RootMode::Free,
@@ -459,28 +468,6 @@ impl Check<'_> {
                 limbs.iter().position(|l| l.name == *name).ok_or_else(|| {
                     let known = limbs.iter().map(|l| l.name.as_str());
                     self.source.unknown(&format!("planted[{i}]"), "limb", name, " in planted", known)
-                })
-            })
-            .collect()
-    }
-
-    fn pushes(&self, ron: &[PushRon]) -> Result<Vec<Push>, SceneError> {
-        let skeleton = &self.character.skeleton;
-        ron.iter()
-            .enumerate()
-            .map(|(i, p)| {
-                let at = format!("pushes[{i}]");
-                let link = skeleton.link(&p.link).ok_or_else(|| {
-                    let known = skeleton.links().iter().map(|l| l.name.as_str());
-                    self.source.unknown(&format!("{at}.link"), "link", &p.link, " in a push", known)
-                })?;
-                let duration_s = self.within(&format!("{at}.duration_s"), p.duration_s, 1e-3, 3600.0, "s")?;
-                Ok(Push {
-                    link,
-                    at: self.vec3(&format!("{at}.at_m"), p.at_m)?,
-                    force: self.vec3(&format!("{at}.impulse_ns"), p.impulse_ns)? / duration_s,
-                    start_s: self.within(&format!("{at}.start_s"), p.start_s, 0.0, 86_400.0, "s")?,
-                    duration_s,
                 })
             })
             .collect()

@@ -49,6 +49,9 @@ pub struct SceneRon {
     /// Pushes from outside.
     #[serde(default)]
     pub pushes: Vec<PushRon>,
+    /// Masses carried.
+    #[serde(default)]
+    pub carried: Vec<CarriedRon>,
     /// Points of view and captions for the film strips.
     #[serde(default)]
     pub strip: StripRon,
@@ -326,7 +329,10 @@ pub struct WorldRon {
 
 impl Default for WorldRon {
     fn default() -> Self {
-        Self { gravity_m_s2: (0.0, -9.81, 0.0), ground: GroundRon::Plane { friction: 0.8, height_m: 0.0 } }
+        Self {
+            gravity_m_s2: (0.0, -9.81, 0.0),
+            ground: GroundRon::Plane { friction: 0.8, height_m: 0.0, tilt_deg: 0.0, towards_deg: 0.0 },
+        }
     }
 }
 
@@ -336,13 +342,19 @@ impl Default for WorldRon {
 pub enum GroundRon {
     /// None: the body hangs in the air.
     None,
-    /// A horizontal plane.
+    /// A plane.
     Plane {
         /// Coulomb friction coefficient.
         friction: f64,
-        /// Height, m.
+        /// Height under the world's origin, m.
         #[serde(default)]
         height_m: f64,
+        /// How steep it is, degrees.
+        #[serde(default)]
+        tilt_deg: f64,
+        /// Where it falls to: 0 forward, 90 the character's left, degrees.
+        #[serde(default)]
+        towards_deg: f64,
     },
 }
 
@@ -404,8 +416,10 @@ pub struct PushRon {
     /// Point in the link's frame, m.
     #[serde(default)]
     pub at_m: (f64, f64, f64),
-    /// Impulse, world, N·s.
-    pub impulse_ns: (f64, f64, f64),
+    /// Impulse, N·s: world, or how much of it goes where `towards_deg` says.
+    pub impulse_ns: ImpulseRon,
+    /// Where a horizontal push goes: 0 forward, 90 left, 180 back, 270 right, degrees.
+    pub towards_deg: Option<f64>,
     /// When it begins, s.
     pub start_s: f64,
     /// How long it lasts, s.
@@ -415,6 +429,78 @@ pub struct PushRon {
 
 fn push_time() -> f64 {
     0.1
+}
+
+/// An impulse: `(x, y, z)`, or a number with a direction beside it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum ImpulseRon {
+    /// Its size, N·s.
+    Size(f64),
+    /// World, N·s.
+    Vector([f64; 3]),
+}
+
+impl<'de> Deserialize<'de> for ImpulseRon {
+    fn deserialize<D: Deserializer<'de>>(d: D) -> Result<Self, D::Error> {
+        struct Read;
+        impl<'de> Visitor<'de> for Read {
+            type Value = ImpulseRon;
+            fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+                f.write_str("a number of N·s beside towards_deg, or (x, y, z)")
+            }
+            fn visit_f64<E: de::Error>(self, x: f64) -> Result<Self::Value, E> {
+                Ok(ImpulseRon::Size(x))
+            }
+            fn visit_i64<E: de::Error>(self, x: i64) -> Result<Self::Value, E> {
+                Ok(ImpulseRon::Size(x as f64))
+            }
+            fn visit_u64<E: de::Error>(self, x: u64) -> Result<Self::Value, E> {
+                Ok(ImpulseRon::Size(x as f64))
+            }
+            fn visit_seq<A: SeqAccess<'de>>(self, mut seq: A) -> Result<Self::Value, A::Error> {
+                let mut xyz = [0.0; 3];
+                for (i, x) in xyz.iter_mut().enumerate() {
+                    *x = seq.next_element()?.ok_or_else(|| de::Error::invalid_length(i, &self))?;
+                }
+                match seq.next_element::<f64>()? {
+                    None => Ok(ImpulseRon::Vector(xyz)),
+                    Some(_) => Err(de::Error::invalid_length(4, &self)),
+                }
+            }
+        }
+        d.deserialize_any(Read)
+    }
+}
+
+/// A mass that moves with a link.
+#[derive(Clone, Debug, Deserialize)]
+#[serde(deny_unknown_fields, rename = "Carried")]
+pub struct CarriedRon {
+    /// Link that carries it.
+    pub link: String,
+    /// Mass, kg.
+    pub mass_kg: f64,
+    /// Its centre in the link's frame, m.
+    #[serde(default)]
+    pub at_m: (f64, f64, f64),
+    /// Edges of the box it is, along the link's axes, m; zeros are a point.
+    #[serde(default = "crate_size")]
+    pub size_m: (f64, f64, f64),
+    /// When it is handed over, s.
+    #[serde(default)]
+    pub from_s: f64,
+    /// When it is taken, s; by default never.
+    pub to_s: Option<f64>,
+    /// Whether the performer knows of it.
+    #[serde(default = "yes")]
+    pub known: bool,
+}
+
+fn crate_size() -> (f64, f64, f64) {
+    (0.2, 0.2, 0.2)
+}
+fn yes() -> bool {
+    true
 }
 
 /// How film strips are drawn.

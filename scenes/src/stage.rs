@@ -15,12 +15,14 @@ use std::sync::Arc;
 use controllers::{BalanceSettings, Goal, Setup, posture};
 use dynamics::anthropometry::{BodyOptions, BodyReport, GuessError, guess_body_of_clip};
 use dynamics::pose_map::{PoseMap, PoseMapError};
-use dynamics::{Character, Model, RootMode, State};
+use dynamics::{Carrying, Character, Model, RootMode, State};
 use edits::EditLog;
 use motion::format::bvh::{self, BvhFileError, ImportOptions, ImportReport};
 use motion::plant::{Plant, plant};
+use motion::skeleton::quat_at;
 use motion::support::ground;
-use motion::{Clip, Kinematics, Shape, Tracks, Vec3};
+use motion::{Clip, Joint, Kinematics, Shape, Tracks, Transform, Vec3};
+use nalgebra::{Point3, Translation3};
 use sim::{Ground, Pass, PassError, Push};
 
 use crate::overrides::Overrides;
@@ -125,6 +127,8 @@ pub struct Stage {
     pub physics: Physics,
     /// Pushes from outside.
     pub pushes: Vec<Push>,
+    /// Masses carried.
+    pub carried: Vec<Carrying>,
     /// How film strips are drawn.
     pub strip: StripRon,
     /// The clip behind it; `None` for a scene.
@@ -207,12 +211,24 @@ pub fn stage_scene(scene: Scene) -> Result<Stage, SceneError> {
     if end * rate_hz > MOST_STEPS {
         return Err(scene.source.error("script", too_long(end, rate_hz)));
     }
+    for (i, p) in scene.pushes.iter().enumerate() {
+        begins(&scene, &format!("pushes[{i}].start_s"), p.start_s, end)?;
+    }
+    for (i, c) in scene.carried.iter().enumerate() {
+        begins(&scene, &format!("carried[{i}].from_s"), c.from_s, end)?;
+    }
     tracks.duration_s = end;
     plain.duration_s = end;
     let character = scene.character.clone();
     let skeleton = &character.skeleton;
-    let plants: Vec<Plant> =
+    let mut plants: Vec<Plant> =
         scene.planted.iter().map(|&l| Plant::here(skeleton, &character.rest, &skeleton.limbs()[l])).collect();
+    if let Some(ground) = &scene.physics.ground {
+        let onto = onto(ground);
+        for plant in &mut plants {
+            plant.world_from_end = onto * plant.world_from_end;
+        }
+    }
     let sampler = Sampler { scene: &scene, plants: &plants };
     let (kinematic, clamped) = sampler.sample(&tracks)?;
     let (unedited, _) = sampler.sample(&plain)?;
@@ -226,11 +242,47 @@ pub fn stage_scene(scene: Scene) -> Result<Stage, SceneError> {
         plants,
         physics: scene.physics,
         pushes: scene.pushes.clone(),
+        carried: scene.carried.clone(),
         strip: scene.strip,
         clip: None,
         clamped,
         character,
     })
+}
+
+/// A clip as it looks where tilted ground is level.
+pub(crate) fn levelled(clip: &Clip, ground: &Ground) -> Clip {
+    let back = onto(ground).inverse();
+    let skeleton = &clip.skeleton;
+    let mut out = clip.clone();
+    if !matches!(skeleton.links()[0].joint, Joint::Free) {
+        return out;
+    }
+    let at = skeleton.q_at(0) + 3;
+    for f in 0..out.frames() {
+        let q = out.pose_mut(f);
+        let p = back * Point3::from(skeleton.position(q, 0));
+        skeleton.set_position(q, 0, &p.coords);
+        let r = back.rotation * quat_at(q, at);
+        q[at..at + 4].copy_from_slice(&[r.w, r.i, r.j, r.k]);
+    }
+    out
+}
+
+/// Refuses what would begin after the motion's end and so never happen.
+fn begins(scene: &Scene, at: &str, begins_s: f64, end_s: f64) -> Result<(), SceneError> {
+    if begins_s < end_s {
+        return Ok(());
+    }
+    let message = format!("begins at {begins_s} s; allowed: before the motion ends, at {end_s} s");
+    let help = "settle_s makes the still time after the last element longer";
+    Err(scene.source.error(at, message).with_help(help))
+}
+
+/// From level ground to tilted ground: a turn about the point of the ground under the world's origin.
+fn onto(ground: &Ground) -> Transform {
+    let pivot = Translation3::new(0.0, ground.height_m, 0.0);
+    pivot * ground.turn() * pivot.inverse()
 }
 
 struct Sampler<'a> {
@@ -247,7 +299,10 @@ impl Sampler<'_> {
         let model = Model::new(character, self.scene.physics.gravity);
         let mut state = State::new(&model);
         state.update(&model, &character.rest, &vec![0.0; model.nv()]);
-        let stance = ground(&state.com(&model));
+        let onto = self.scene.physics.ground.as_ref().map_or(Transform::identity(), onto);
+        let floor = self.scene.physics.ground.map_or(0.0, |g| g.height_m);
+        let com = ground(&state.com(&model));
+        let stance = ground(&(onto * Point3::new(com.x, floor, com.y)).coords);
         let home = skeleton.position(&character.rest, 0);
         let ik = |e: motion::ik::IkError| self.scene.source.error("planted", e.to_string());
         let mut clip = tracks.sample(self.scene.rate_hz);
@@ -315,9 +370,10 @@ fn stage_clip(path: &Path, body: Option<&Path>, import: &ImportOptions) -> Resul
             blend: controllers::GainBlend::RestAngle,
             root: RootMode::Pinned,
             gravity: Vec3::new(0.0, -9.81, 0.0),
-            ground: floor.map(|height_m| Ground { height_m, friction: 0.8 }),
+            ground: floor.map(|height_m| Ground::level(height_m, 0.8)),
         },
         pushes: Vec::new(),
+        carried: Vec::new(),
         strip: StripRon::default(),
         clamped: clamped as f64 / kinematic.frames() as f64,
         kinematic,
@@ -390,6 +446,7 @@ impl Stage {
             // a pinned clip passes through the floor as it was captured: contact would fight the pin
             ground: if held && self.clip.is_some() { None } else { p.ground },
             pushes: self.pushes.clone(),
+            carried: self.carried.clone(),
         }
     }
 

@@ -22,7 +22,7 @@ const BLOCK: usize = 24;
 /// Blocks of each kind.
 const BLOCKS: usize = 100;
 const GRAVITY: Vec3 = Vec3::new(0.0, -9.81, 0.0);
-const GROUND: Ground = Ground { height_m: 0.0, friction: 0.8 };
+const GROUND: Ground = Ground { height_m: 0.0, friction: 0.8, up: Vec3::new(0.0, 1.0, 0.0) };
 
 /// The body standing with fixed drives: nothing but the engine.
 fn bare(c: &Character) -> (World, Vec<Drive>) {
@@ -62,8 +62,14 @@ fn whole(c: &Arc<Character>, scripted: bool) -> Run {
         blend: GainBlend::RestAngle,
         reactive: Vec::new(),
     };
-    let pass =
-        Pass { setup, substeps: Some(1), root: RootMode::Free, ground: Some(GROUND), pushes: Vec::new() };
+    let pass = Pass {
+        setup,
+        substeps: Some(1),
+        root: RootMode::Free,
+        ground: Some(GROUND),
+        pushes: Vec::new(),
+        carried: Vec::new(),
+    };
     pass.start().unwrap()
 }
 

@@ -6,13 +6,16 @@
 
 use controllers::Drive;
 use controllers::stops::way_back;
-use dynamics::{ContactSample, Model, State, Wrench};
+use dynamics::{Character, ContactSample, Model, State, Wrench};
 use motion::Vec3;
 
 use crate::WorldError;
 
 /// An articulated body that can be driven and stepped.
 pub trait Engine {
+    /// Its name, as reports give it.
+    const NAME: &'static str;
+
     /// The body, compiled.
     fn model(&self) -> &Model;
 
@@ -29,6 +32,13 @@ pub trait Engine {
 
     /// Stiffness of the stops, N·m/rad, one per moving body.
     fn stops(&self) -> &[f64];
+
+    /// Replaces masses, centres of mass and inertias by those of `character`: the same body, carrying more or
+    /// less. Pose and velocity stay, so that momentum changes by what comes or goes.
+    ///
+    /// # Errors
+    /// Of the engine.
+    fn set_masses(&mut self, character: &Character) -> Result<(), WorldError>;
 
     /// Sets the actuators for the next step: one drive per moving body, in the model's order. The entry of
     /// a free root is ignored.

@@ -13,6 +13,7 @@
 
 pub mod contacts;
 pub mod engine;
+mod load;
 pub mod pass;
 pub mod world;
 

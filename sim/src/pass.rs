@@ -1,7 +1,7 @@
 //! The dynamic pass: a motion performed by a body with muscles.
 //!
-//! In: a [`Pass`] (controller setup, world settings, root mode, pushes). Out: an [`Outcome`]: the trace,
-//! where joints sagged, whether and when the body fell or the run diverged. One control step per row
+//! In: a [`Pass`] (controller setup, world settings, root mode, pushes, carried masses). Out: an [`Outcome`]: the
+//! trace, where joints sagged, whether, when and how the body fell or the run diverged. One control step per row
 //! of the goal.
 
 use std::sync::Arc;
@@ -9,13 +9,15 @@ use std::time::Instant;
 
 use controllers::assist::{self, Budget};
 use controllers::stops::STIFFNESS_RATIO;
-use controllers::{Controller, Sagging, Setup};
-use dynamics::{Character, ContactSample, RootMode, State, Trace, Wrench};
+use controllers::{Controller, LegTension, Sagging, Setup};
+use dynamics::fall::{self, Fall};
+use dynamics::{Carrying, Character, ContactSample, Disturbed, RootMode, State, Trace, Wrench};
 use motion::ik::IkError;
 use motion::{Joint, Vec3};
 use thiserror::Error;
 
 use crate::Engine;
+use crate::load::Load;
 use crate::world::{ContactLaw, Ground, World, WorldError, WorldSettings};
 
 /// Why a pass cannot start or go on.
@@ -56,6 +58,8 @@ pub struct Pass {
     pub ground: Option<Ground>,
     /// Pushes from outside.
     pub pushes: Vec<Push>,
+    /// Masses carried.
+    pub carried: Vec<Carrying>,
 }
 
 /// What came of a run.
@@ -66,6 +70,10 @@ pub struct Outcome {
     pub sagging: Vec<Sagging>,
     /// When the body fell, s.
     pub fell_s: Option<f64>,
+    /// How it fell: which margins were lost, in order.
+    pub fall: Option<Fall>,
+    /// Tension of the stance legs, where it is not what was asked.
+    pub leg_tension: Vec<LegTension>,
     /// Why the run stopped early.
     pub diverged: Option<WorldError>,
     /// Largest ω₀ dt/2 added to a damping ratio by implicit integration, and the link.
@@ -76,8 +84,6 @@ pub struct Outcome {
 
 /// The largest ω₀ dt/2 a default run accepts.
 const ADDED_DAMPING: f64 = 0.1;
-/// Fraction of the goal's height of the centre of mass below which the body has fallen.
-const FALLEN: f64 = 0.6;
 
 impl Pass {
     /// Runs the pass; `progress` is called with the fraction done.
@@ -117,7 +123,8 @@ impl Pass {
         let scripted = self.setup.tracks.is_some();
         let free_root = matches!(character.skeleton.links()[0].joint, Joint::Free);
         let root = if free_root { self.root } else { RootMode::Free };
-        let controller = Controller::new(self.setup)?;
+        let known: Vec<Carrying> = self.carried.iter().filter(|c| c.known).cloned().collect();
+        let controller = Controller::carrying(self.setup, &known)?;
         let rate_hz = controller.goal().rate_hz;
         let substeps = self.substeps.unwrap_or_else(|| {
             let needed = controller.added_damping(1.0 / rate_hz).0 / ADDED_DAMPING;
@@ -137,13 +144,17 @@ impl Pass {
         let v =
             if scripted { vec![0.0; controller.model.nv()] } else { controller.goal().velocity(0).to_vec() };
         let started = Instant::now();
-        let mut world = build(&character, settings, &q, &v)?;
+        let load = Load::new(character.clone(), self.carried, rate_hz, controller.goal().rows());
+        let mut world = build(&load.character(), settings, &q, &v)?;
         let stops: Vec<f64> = controller.scale.k1.iter().map(|k| k * STIFFNESS_RATIO).collect();
         world.set_stops(&stops);
-        let mut state = State::new(&controller.model);
-        state.update(&controller.model, world.q(), world.v());
-        let mut recorder = Recorder::new(&character, &settings, root, self.ground, &controller);
-        recorder.record(&state, &world, &controller, 0, None);
+        let mut state = State::new(world.model());
+        state.update(world.model(), world.q(), world.v());
+        let mut recorder = Recorder::new(&character, &settings, root, &controller);
+        let disturbed = &mut recorder.trace.disturbed;
+        disturbed.carried = load.handed();
+        recorder.disturbed = !self.pushes.is_empty() || load.changes();
+        recorder.record(&state, &world, &controller, 0, Outside::default());
         Ok(Run {
             controller,
             world,
@@ -151,6 +162,7 @@ impl Pass {
             state,
             root,
             pushes: self.pushes,
+            load,
             row: 0,
             fell_s: None,
             diverged: None,
@@ -167,6 +179,7 @@ pub struct Run<E: Engine = World> {
     state: State,
     root: RootMode,
     pushes: Vec<Push>,
+    load: Load,
     row: usize,
     fell_s: Option<f64>,
     diverged: Option<WorldError>,
@@ -210,6 +223,16 @@ impl<E: Engine> Run<E> {
         let row = self.row + 1;
         let Self { controller, world, state, .. } = self;
         let rate_hz = controller.goal().rate_hz;
+        let mut outside = Outside::default();
+        if self.load.step_to(row) {
+            // what comes and goes does so at the velocity of its link: its momentum too
+            let before = state.momentum(world.model());
+            world.set_masses(&self.load.character())?;
+            state.update(world.model(), world.q(), world.v());
+            let after = state.momentum(world.model());
+            outside.force += (after.linear - before.linear) * rate_hz;
+            outside.moment += (after.angular - before.angular) * rate_hz;
+        }
         controller.step(row, world.q(), world.v())?;
         world.set_drives(controller.drives());
         let t = (row - 1) as f64 / rate_hz;
@@ -218,9 +241,9 @@ impl<E: Engine> Run<E> {
                 let point = state.point(&controller.model, push.link, &push.at);
                 let moment = Vec3::zeros();
                 world.add_wrench(&Wrench { link: push.link, point, force: push.force, moment });
+                outside.pushes.push((point, push.force));
             }
         }
-        let mut held = None;
         match self.root {
             RootMode::Free => {}
             RootMode::Assisted { force_n, moment_nm } => {
@@ -230,7 +253,7 @@ impl<E: Engine> Run<E> {
                 let now = (world.q(), world.v());
                 let w = assist::wrench(&controller.model, state, budget, now, to);
                 world.add_wrench(&w);
-                held = Some(w);
+                outside.held = Some(w);
             }
             RootMode::Pinned => world.move_root(state, controller.goal().pose(row)),
         }
@@ -238,11 +261,12 @@ impl<E: Engine> Run<E> {
             self.diverged = Some(error);
             return Ok(false);
         }
-        state.update(&controller.model, world.q(), world.v());
-        self.recorder.record(state, world, controller, row, held);
+        state.update(world.model(), world.q(), world.v());
+        self.recorder.record(state, world, controller, row, outside);
         self.row = row;
         let pinned = self.root == RootMode::Pinned;
-        if self.fell_s.is_none() && !pinned && self.recorder.fallen(row, &self.controller) {
+        if self.fell_s.is_none() && !pinned && fall::fallen(&self.recorder.trace, &self.controller.model, row)
+        {
             self.fell_s = Some(row as f64 / rate_hz);
         }
         Ok(true)
@@ -258,10 +282,17 @@ impl<E: Engine> Run<E> {
             .filter(|&i| scale.k1[i] > 0.0)
             .map(|i| (controller.model.bodies[i].link, scale.k1[i], scale.least[i]))
             .collect();
+        // of the first row: the story needs only what led to it
+        let fall = self.fell_s.map(|t| {
+            let row = (t * trace.rate_hz).round() as usize;
+            fall::at_row(&trace, &controller.model, row)
+        });
         let added = controller.added_damping(1.0 / (trace.rate_hz * trace.substeps as f64));
         Outcome {
             sagging: controller.sagging(),
             fell_s: self.fell_s,
+            fall,
+            leg_tension: controller.leg_tension().to_vec(),
             diverged: self.diverged,
             stiffness,
             added_damping: (added.0, controller.model.bodies[added.1].link),
@@ -273,8 +304,22 @@ impl<E: Engine> Run<E> {
 /// Fills a trace row by row.
 struct Recorder {
     trace: Trace,
-    feet: Vec<usize>,
     contacts: Vec<ContactSample>,
+    /// Whether wrenches from outside are recorded.
+    disturbed: bool,
+}
+
+/// What acted from outside during a step.
+#[derive(Default)]
+struct Outside {
+    /// Wrench of an assist.
+    held: Option<Wrench>,
+    /// Points (world, m) and forces (N) of pushes.
+    pushes: Vec<(Vec3, Vec3)>,
+    /// Rate of the momentum of what came or went, N.
+    force: Vec3,
+    /// Rate of its angular momentum about the centre of mass, N·m.
+    moment: Vec3,
 }
 
 impl Recorder {
@@ -282,9 +327,9 @@ impl Recorder {
         character: &Arc<Character>,
         settings: &WorldSettings,
         root: RootMode,
-        ground: Option<Ground>,
         controller: &Controller,
     ) -> Self {
+        let ground = settings.ground;
         let (rows, nq) = (controller.goal().rows(), character.skeleton.nq());
         let (nv, links) = (controller.model.nv(), character.bodies.len());
         let room = |columns: usize| Vec::with_capacity(rows * columns);
@@ -308,10 +353,11 @@ impl Recorder {
             com: room(3),
             momentum: room(6),
             link_com: room(3 * links),
+            disturbed: Disturbed { ground_up: ground.map_or(Vec3::y(), |g| g.up), ..Disturbed::default() },
             energy: room(2),
             wall_s: 0.0,
         };
-        Self { trace, feet: controller.feet().iter().map(|f| f.body).collect(), contacts: Vec::new() }
+        Self { trace, contacts: Vec::new(), disturbed: false }
     }
 
     fn record(
@@ -320,9 +366,9 @@ impl Recorder {
         world: &impl Engine,
         controller: &Controller,
         row: usize,
-        held: Option<Wrench>,
+        outside: Outside,
     ) {
-        let model = &controller.model;
+        let model = world.model();
         let t = &mut self.trace;
         let nv = model.nv();
         t.q.extend_from_slice(world.q());
@@ -363,14 +409,33 @@ impl Recorder {
             world.contacts(row, &mut self.contacts);
         }
         let root = state.bodies[0].world.translation.vector;
+        let d = &mut t.disturbed;
+        for c in &d.carried {
+            d.carried_com.extend_from_slice(state.point(model, c.what.link, &c.what.at).as_slice());
+        }
+        if self.disturbed {
+            let mut force = outside.force;
+            let mut moment = outside.moment + (m.com - root).cross(&outside.force);
+            for (point, push) in &outside.pushes {
+                force += push;
+                moment += (point - root).cross(push);
+            }
+            d.wrench.extend_from_slice(force.as_slice());
+            d.wrench.extend_from_slice(moment.as_slice());
+        }
         let mut wrench = [0.0; 6];
-        match (t.root, held) {
+        match (t.root, outside.held) {
             (RootMode::Pinned, _) if row > 0 => {
                 // what the pin did is what neither gravity nor contacts explain
                 let rate = t.rate_hz;
                 let change = |k: usize| (t.momentum[before + k] - t.momentum[before - 6 + k]) * rate;
-                let mut force = Vec3::new(change(0), change(1), change(2)) - t.gravity * model.mass;
-                let mut moment = Vec3::new(change(3), change(4), change(5));
+                let mut force =
+                    Vec3::new(change(0), change(1), change(2)) - t.gravity * model.mass - outside.force;
+                let mut moment = Vec3::new(change(3), change(4), change(5)) - outside.moment;
+                for (point, push) in &outside.pushes {
+                    force -= push;
+                    moment -= (point - m.com).cross(push);
+                }
                 for c in &self.contacts {
                     force -= c.force;
                     moment -= (c.point - m.com).cross(&c.force);
@@ -387,24 +452,5 @@ impl Recorder {
         }
         t.root_wrench.extend_from_slice(&wrench);
         t.contacts.append(&mut self.contacts);
-    }
-
-    /// Whether something else than a foot carries load, or the body is far lower than asked.
-    fn fallen(&self, row: usize, controller: &Controller) -> bool {
-        let model = &controller.model;
-        let t = &self.trace;
-        let other = t
-            .contacts
-            .iter()
-            .rev()
-            .take_while(|c| c.row == row)
-            .any(|c| !self.feet.contains(&model.body_of[c.link].0) && c.force.norm() > 20.0);
-        let Some(ground) = t.ground_m else { return false };
-        if !matches!(model.bodies[0].joint, Joint::Free) {
-            return other;
-        }
-        let root_goal = model.skeleton.position(controller.goal().pose(row), 0).y;
-        let root = model.skeleton.position(t.pose(row), 0).y;
-        other || root - ground < FALLEN * (root_goal - ground)
     }
 }

@@ -13,7 +13,7 @@
 //! - A pinned root is a kinematic joint whose velocity is set; the inertial force of its
 //!   acceleration, which the engine leaves out, is added to every body.
 
-use dynamics::{Character, ContactSample, Model, State, Wrench};
+use dynamics::{Character, ContactSample, Model, MovingBody, State, Wrench};
 use motion::rotation::log;
 use motion::skeleton::{quat_at, vec_at};
 use motion::{Joint, Quat, Shape, Transform, Vec3};
@@ -25,13 +25,34 @@ use controllers::{Drive, Rest};
 
 use crate::Engine;
 
-/// The ground: a horizontal plane.
+/// The ground: a plane.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Ground {
-    /// Height, m.
+    /// Height under the world's origin, m.
     pub height_m: f64,
     /// Coulomb friction coefficient.
     pub friction: f64,
+    /// Direction in which it faces, unit length; +Y when level.
+    pub up: Vec3,
+}
+
+impl Ground {
+    /// A level plane.
+    pub fn level(height_m: f64, friction: f64) -> Self {
+        Self { height_m, friction, up: Vec3::y() }
+    }
+
+    /// The same, tilted: it falls by `tilt` rad towards the horizontal direction `towards` rad about +Y
+    /// (0: +Z, π/2: +X).
+    pub fn tilted(self, tilt: f64, towards: f64) -> Self {
+        let (s, c) = tilt.sin_cos();
+        Self { up: Vec3::new(s * towards.sin(), c, s * towards.cos()), ..self }
+    }
+
+    /// The rotation that takes level ground to this one.
+    pub fn turn(&self) -> Quat {
+        if self.up == Vec3::y() { Quat::identity() } else { motion::rotation::between(&Vec3::y(), &self.up) }
+    }
 }
 
 /// Settings of a world.
@@ -185,11 +206,7 @@ impl World {
             } else {
                 rp::RigidBodyBuilder::dynamic()
             };
-            let mass = rp::MassProperties::with_inertia_matrix(
-                to_glam(b.com - shift),
-                b.mass,
-                rp::Matrix::from_cols_array_2d(&b.inertia.into()),
-            );
+            let mass = mass_properties(b, &shift);
             let handle = physics
                 .insert_body(builder.pose(pose(&world)).can_sleep(false).additional_mass_properties(mass));
             handles.push(handle);
@@ -206,7 +223,7 @@ impl World {
             }
         }
         if let Some(ground) = settings.ground {
-            let plane = rp::ColliderBuilder::halfspace(nalgebra::Unit::new_unchecked(rp::Vector::Y))
+            let plane = rp::ColliderBuilder::halfspace(nalgebra::Unit::new_unchecked(to_glam(ground.up)))
                 .translation(rp::Vector::new(0.0, ground.height_m, 0.0))
                 .friction(ground.friction)
                 .collision_groups(groups(rp::Group::GROUP_2, rp::Group::GROUP_1));
@@ -393,6 +410,8 @@ impl World {
 }
 
 impl Engine for World {
+    const NAME: &'static str = "rapier";
+
     fn model(&self) -> &Model {
         &self.model
     }
@@ -412,6 +431,29 @@ impl Engine for World {
     fn set_stops(&mut self, stiffness: &[f64]) {
         self.stops.clear();
         self.stops.extend_from_slice(stiffness);
+    }
+
+    fn set_masses(&mut self, character: &Character) -> Result<(), WorldError> {
+        let model = Model::new(character, self.settings.gravity);
+        let root = &model.bodies[0];
+        if matches!(root.joint, Joint::Free) && root.com != self.root_shift {
+            // the frame of the root sits at its centre of mass: a new one is built around it
+            let mut world = World::new(character, self.settings, &self.q, &self.v)?;
+            world.stops = std::mem::take(&mut self.stops);
+            world.steps = self.steps;
+            *self = world;
+            return Ok(());
+        }
+        for (i, b) in model.bodies.iter().enumerate() {
+            let old = &self.model.bodies[i];
+            if (b.mass, b.com, b.inertia) != (old.mass, old.com, old.inertia) {
+                let shift = if i == 0 { self.root_shift } else { Vec3::zeros() };
+                let body = &mut self.physics.bodies[self.handles[i]];
+                body.set_additional_mass_properties(mass_properties(b, &shift), true);
+            }
+        }
+        self.model = model;
+        Ok(())
     }
 
     fn set_drives(&mut self, drives: &[Drive]) {
@@ -510,6 +552,11 @@ impl Engine for World {
     fn contacts(&self, row: usize, out: &mut Vec<ContactSample>) {
         self.read_contacts(row, out);
     }
+}
+
+fn mass_properties(b: &MovingBody, shift: &Vec3) -> rp::MassProperties {
+    let inertia = rp::Matrix::from_cols_array_2d(&b.inertia.into());
+    rp::MassProperties::with_inertia_matrix(to_glam(b.com - shift), b.mass, inertia)
 }
 
 fn groups(own: rp::Group, other: rp::Group) -> rp::InteractionGroups {

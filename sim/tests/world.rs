@@ -186,7 +186,7 @@ fn the_ground_carries_the_weight() {
         vec![body(5.0, Vec3::zeros(), vec![shape]), body(1.0, Vec3::new(0.0, 0.1, 0.0), vec![])],
     );
     let mut s = settings(240.0, 2);
-    s.ground = Some(Ground { height_m: 0.5, friction: 0.8 });
+    s.ground = Some(Ground::level(0.5, 0.8));
     let mut q = c.skeleton.zero_pose();
     q[1] = 0.605;
     let v = vec![0.0; c.skeleton.nv()];

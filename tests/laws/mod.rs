@@ -7,6 +7,7 @@ mod actuators;
 mod clips;
 mod determinism;
 mod gaze;
+mod disturbances;
 mod momentum;
 mod pushes;
 mod sagging;

@@ -43,7 +43,14 @@ pub fn follow(c: &Arc<Character>, clip: &Clip, gravity: Vec3, tension: f64, rate
         blend: GainBlend::RestAngle,
         reactive: Vec::new(),
     };
-    Pass { setup, substeps: Some(1), root: RootMode::Free, ground: None, pushes: Vec::new() }
+    Pass {
+        setup,
+        substeps: Some(1),
+        root: RootMode::Free,
+        ground: None,
+        pushes: Vec::new(),
+        carried: Vec::new(),
+    }
 }
 
 /// Runs a pass to its end.
@@ -122,8 +129,8 @@ pub fn perform(c: &Arc<Character>, tracks: &Tracks, root: RootMode, rate_hz: f64
         blend: GainBlend::RestAngle,
         reactive: Vec::new(),
     };
-    let ground = (!pinned).then_some(Ground { height_m: 0.0, friction: 0.8 });
-    Pass { setup, substeps: Some(substeps), root, ground, pushes: Vec::new() }
+    let ground = (!pinned).then_some(Ground::level(0.0, 0.8));
+    Pass { setup, substeps: Some(substeps), root, ground, pushes: Vec::new(), carried: Vec::new() }
 }
 
 /// A file of the motion-capture data beside the repository.

@@ -104,6 +104,53 @@ fn numbers_out_of_range() {
     bad_scene("rate_hz: 60", "rate_hz: 0", &["rate_hz is 0 Hz", "allowed: 1 to 1000", "scene.ron:3:"]);
 }
 
+/// Disturbances that cannot be, or would never come, each at its place.
+#[test]
+fn disturbances_that_cannot_be() {
+    let with = |field: &str, words: &[&str]| {
+        let to = format!("settle_s: 0.2,\n    {field}");
+        bad_scene("settle_s: 0.2", &to, words);
+    };
+    let push = |rest: &str| format!("pushes: [Push(link: \"chest\", {rest})]");
+    for (field, words) in [
+        (push("impulse_ns: 12, start_s: 0.1"), ["without a direction", "towards_deg"]),
+        (
+            push("impulse_ns: (0, 0, 9), towards_deg: 90, start_s: 0.1"),
+            ["direction of its own", "one number"],
+        ),
+        (push("impulse_ns: -5, towards_deg: 90, start_s: 0.1"), ["impulse_ns is -5 N·s", "allowed: 0 to"]),
+        (push("impulse_ns: (0, NaN, 0), start_s: 0.1"), ["impulse_ns is NaN", "allowed"]),
+        (push("impulse_ns: (0, 1), start_s: 0.1"), ["(x, y, z)", "impulse_ns"]),
+        (push("impulse_ns: 5, towards_deg: 0, start_s: 99"), ["begins at 99 s", "before the motion ends"]),
+        (push("impulse_ns: 5, towards_deg: 0, start_s: 0, at_m: (0, 50, 0)"), ["at_m is 50 m", "-10 to 10"]),
+        (push("impulse_ns: 5, towards_deg: 0, start_s: 0, body: 1"), ["`body`", "`link`"]),
+    ] {
+        with(&field, &[words[0], words[1], "scene.ron:"]);
+    }
+    let carried = |rest: &str| format!("carried: [Carried({rest})]");
+    for (field, words) in [
+        (carried("link: \"wrist\", mass_kg: 5"), ["unknown link `wrist`", "did you mean"]),
+        (carried("link: \"wrist_r\", mass_kg: 0"), ["mass_kg is 0 kg", "allowed: 0.001 to 1000"]),
+        (carried("link: \"wrist_r\", mass_kg: 5, size_m: (1, -1, 1)"), ["size_m is -1 m", "0 to 10"]),
+        (
+            carried("link: \"wrist_r\", mass_kg: 5, from_s: 0.3, to_s: 0.2"),
+            ["to_s is 0.2 s", "later than from_s"],
+        ),
+        (carried("link: \"wrist_r\", mass_kg: 5, from_s: 99"), ["begins at 99 s", "settle_s"]),
+        (carried("link: \"wrist_r\", mass_kg: 5, known: 1"), ["known", "bool"]),
+    ] {
+        with(&field, &[words[0], words[1]]);
+    }
+    for (tilt, words) in [
+        ("tilt_deg: 45", ["tilt_deg is 45 °", "allowed: 0 to 30"]),
+        ("tilt_deg: 5, towards_deg: 999", ["towards_deg is 999 °", "-360 to 360"]),
+        ("friction: 0.2", ["friction", "Duplicate"]),
+    ] {
+        let to = format!("world: (ground: Plane(friction: 0.8, {tilt})), settle_s: 0.2");
+        bad_scene("settle_s: 0.2", &to, &words);
+    }
+}
+
 /// Counts that would fill the memory are refused before it is filled.
 #[test]
 fn absurd_counts() {

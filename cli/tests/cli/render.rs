@@ -227,7 +227,31 @@ fn a_body_that_falls() {
     let done = place.render(&place.scene("settle_s: 0.2", push), &[]);
     assert_eq!(done.code, 0, "{}", done.stderr);
     assert!(done.stdout.contains("THE BODY FELL at"), "{}", done.stdout);
-    assert_eq!(field(&report(&place, "out"), "dynamic.fell"), true);
+    assert!(done.stdout.contains("the capture point left the support at 0."), "{}", done.stdout);
+    let r = report(&place, "out");
+    assert_eq!(field(&r, "dynamic.fell"), true);
+    assert_eq!(field(&r, "dynamic.fall.cause"), "capture point");
+    assert_eq!(field(&r, "dynamic.fall.at_s"), field(&r, "dynamic.fell_at_s"));
+    assert_eq!(field(&r, "disturbances.pushes")[0]["link"], "chest");
+    // the figures mark both moments
+    let done = place.run(&["render", "scene.ron", "--out", "drawn"]);
+    assert_eq!(done.code, 0, "{}", done.stderr);
+    for figure in ["contact_forces", "center_of_mass", "joint_angles"] {
+        let svg = std::fs::read_to_string(place.at(&format!("drawn/plots/{figure}.svg"))).unwrap();
+        assert!(svg.contains("the body has fallen") && svg.contains("the capture point left"), "{figure}");
+    }
+}
+
+/// Legs whose tension is kept where they stand say so.
+#[test]
+fn legs_that_were_asked_for_less() {
+    let place = Place::new();
+    let done = place.render(&place.scene("", ""), &["--tension", "0.25"]);
+    assert_eq!(done.code, 0, "{}", done.stderr);
+    assert!(done.stdout.contains("tension RAISED from 0.25 to 0.6 (+140 %)"), "{}", done.stdout);
+    let legs = field(&report(&place, "out"), "dynamic.leg_tension").clone();
+    assert_eq!(legs.as_array().unwrap().len(), 6);
+    assert_eq!((&legs[0]["asked"], &legs[0]["used"]), (&0.25.into(), &0.6.into()));
 }
 
 /// A clip gets a body; what was guessed is printed; files are written in the clip's own unit.

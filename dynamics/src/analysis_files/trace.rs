@@ -68,6 +68,7 @@ pub fn trace_of(character: &Arc<Character>, given: &Clip, a: &Analysis) -> Trace
         com: a.com.clone(),
         momentum,
         link_com: Vec::new(),
+        disturbed: crate::Disturbed::default(),
         energy,
         wall_s: 0.0,
     }

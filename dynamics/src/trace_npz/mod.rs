@@ -18,6 +18,12 @@
 //! | `com` | n × 3 | m |
 //! | `energy` | n × 2 | J |
 //! | `link_com` | n × 3L | world centres of mass, m; absent when not recorded |
+//! | `ground_up` | 3 | direction in which the ground faces; absent when it is level |
+//! | `disturbed_wrench` | n × 6 | pushes, and hands that give and take masses: N, N·m about the root's origin; absent without |
+//! | `carried_link`, `carried_mass` | k | index, kg: masses carried; these arrays are absent without |
+//! | `carried_at`, `carried_inertia` | k × 3, k × 9 | centre in the link's frame, m; kg·m² about it |
+//! | `carried_rows` | k × 2 | first row whose forces move it, first row whose forces do so no more |
+//! | `carried_com` | n × 3k | world centres, m |
 //! | `contact_row`, `contact_link` | c | indices |
 //! | `contact_point`, `contact_force` | c × 3 | m, N |
 //! | `contact_depth` | c | m |

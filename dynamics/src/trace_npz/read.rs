@@ -16,7 +16,7 @@ use zip::result::ZipError;
 
 use super::body;
 use super::npy::{Fault, Npy};
-use crate::{Body, Character, CharacterError, ContactSample, RootMode, Trace};
+use crate::{Body, Carried, Character, CharacterError, ContactSample, Disturbed, Handed, RootMode, Trace};
 
 /// Why a file is no trace.
 #[derive(Debug, Error)]
@@ -138,6 +138,7 @@ fn read<R: Read + Seek>(npz: &mut Arrays<R>) -> Result<Trace, TraceFileError> {
         com: table("com", 3)?,
         energy: table("energy", 2)?,
         link_com: Vec::new(),
+        disturbed: crate::Disturbed::default(),
         contacts: Vec::new(),
         wall_s: 0.0,
         character: character.clone(),
@@ -147,6 +148,7 @@ fn read<R: Read + Seek>(npz: &mut Arrays<R>) -> Result<Trace, TraceFileError> {
     }
     trace.root = root(npz)?;
     trace.contacts = contacts(npz, rows, links)?;
+    trace.disturbed = disturbed(npz, rows, links)?;
     Ok(trace)
 }
 
@@ -161,6 +163,64 @@ fn root<R: Read + Seek>(npz: &mut Arrays<R>) -> Result<RootMode, TraceFileError>
         "assisted" => Err(value("root_limit", 0, format!("{limit:?}"), "two numbers, zero or more")),
         other => Err(value("root_mode", 0, quoted(other), "free, assisted, pinned")),
     }
+}
+
+fn disturbed<R: Read + Seek>(
+    npz: &mut Arrays<R>,
+    rows: usize,
+    links: usize,
+) -> Result<Disturbed, TraceFileError> {
+    let mut out = Disturbed::default();
+    if npz.has("ground_up") {
+        out.ground_up = npz.vectors("ground_up", &[3])?[0];
+        let length = out.ground_up.norm();
+        if (length - 1.0).abs() > 1e-9 || out.ground_up.y <= 0.0 || !length.is_finite() {
+            let found = format!("{:?}", out.ground_up.as_slice());
+            return Err(value("ground_up", 0, found, "a direction of length 1 that points up"));
+        }
+    }
+    if npz.has("disturbed_wrench") {
+        out.wrench = npz.reals("disturbed_wrench", &[rows, 6])?;
+    }
+    if !npz.has("carried_link") {
+        return Ok(out);
+    }
+    let (shape, link) = npz.array("carried_link")?;
+    let n = shape.first().copied().unwrap_or(0);
+    check_shape("carried_link", &shape, &[n])?;
+    let link = indices("carried_link", &link.into_integers().map_err(fault("carried_link"))?, links)?;
+    let mass = npz.reals("carried_mass", &[n])?;
+    let at = npz.vectors("carried_at", &[n, 3])?;
+    let inertia = npz.reals("carried_inertia", &[n, 9])?;
+    let span = npz.integers("carried_rows", &[n, 2])?;
+    for i in 0..n {
+        let mut numbers = at[i].iter().chain(&inertia[9 * i..9 * i + 9]).chain(&mass[i..=i]);
+        if mass[i] <= 0.0 || !numbers.all(|x| x.is_finite()) {
+            let found = format!("{} kg at {:?}", mass[i], at[i].as_slice());
+            return Err(value("carried_mass", i, found, "a mass over 0, finite numbers"));
+        }
+        let row = |x: i64| {
+            let all = "rows from 0 on, the first before the last".into();
+            usize::try_from(x).map_err(|_| TraceFileError::Value {
+                array: "carried_rows",
+                index: i,
+                found: x.to_string(),
+                allowed: all,
+            })
+        };
+        out.carried.push(Handed {
+            what: Carried {
+                link: link[i],
+                mass: mass[i],
+                at: at[i],
+                inertia: Matrix3::from_column_slice(&inertia[9 * i..9 * i + 9]),
+            },
+            from_row: row(span[2 * i])?,
+            to_row: row(span[2 * i + 1])?,
+        });
+    }
+    out.carried_com = npz.reals("carried_com", &[rows, 3 * n])?;
+    Ok(out)
 }
 
 fn contacts<R: Read + Seek>(

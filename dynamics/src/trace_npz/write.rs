@@ -9,7 +9,7 @@ use zip::write::FileOptions;
 use zip::{CompressionMethod, DateTime, ZipWriter};
 
 use super::body::{self, joint_type};
-use crate::{Character, RootMode, Trace};
+use crate::{Character, Disturbed, RootMode, Trace};
 
 /// Array and unit, in the order of the table written.
 const UNITS: &[(&str, &str)] = &[
@@ -31,6 +31,12 @@ const UNITS: &[(&str, &str)] = &[
     ("com", "m"),
     ("energy", "J"),
     ("link_com", "m"),
+    ("ground_up", "1"),
+    ("disturbed_wrench", "N (3), N·m about the root's origin (3)"),
+    ("carried_mass", "kg"),
+    ("carried_at", "m"),
+    ("carried_inertia", "kg·m^2"),
+    ("carried_com", "m"),
     ("contact_point", "m"),
     ("contact_force", "N"),
     ("contact_depth", "m"),
@@ -83,6 +89,8 @@ impl Trace {
         if !self.link_com.is_empty() {
             npz.table("link_com", 3 * count, &self.link_com)?;
         }
+
+        write_disturbed(&mut npz, &self.disturbed)?;
 
         let c = &self.contacts;
         let flat = |f: fn(&crate::ContactSample) -> Vec3| -> Vec<f64> {
@@ -150,6 +158,30 @@ impl Trace {
         }
         done
     }
+}
+
+/// Only what there is: an undisturbed run has none of these arrays.
+fn write_disturbed<W: Write + Seek>(npz: &mut Arrays<W>, d: &Disturbed) -> io::Result<()> {
+    if d.ground_up != Vec3::y() {
+        npz.numbers("ground_up", &[3], d.ground_up.as_slice())?;
+    }
+    if !d.wrench.is_empty() {
+        npz.table("disturbed_wrench", 6, &d.wrench)?;
+    }
+    if d.carried.is_empty() {
+        return Ok(());
+    }
+    let c = &d.carried;
+    let n = c.len() as u64;
+    npz.indices("carried_link", c.iter().map(|c| c.what.link))?;
+    npz.numbers("carried_mass", &[n], &c.iter().map(|c| c.what.mass).collect::<Vec<_>>())?;
+    npz.table("carried_at", 3, &c.iter().flat_map(|c| <[f64; 3]>::from(c.what.at)).collect::<Vec<_>>())?;
+    let inertias: Vec<f64> = c.iter().flat_map(|c| c.what.inertia.iter().copied()).collect();
+    npz.table("carried_inertia", 9, &inertias)?;
+    let row = |r: usize| i64::try_from(r).unwrap_or(i64::MAX);
+    let spans: Vec<i64> = c.iter().flat_map(|c| [row(c.from_row), row(c.to_row)]).collect();
+    npz.numbers("carried_rows", &[n, 2], &spans)?;
+    npz.table("carried_com", 3 * c.len(), &d.carried_com)
 }
 
 /// What of the body is not in the arrays of the links already.

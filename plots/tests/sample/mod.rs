@@ -294,6 +294,7 @@ pub fn trace(character: &Arc<Character>, target: &Clip) -> Trace {
         com: Vec::new(),
         momentum: Vec::new(),
         link_com: Vec::new(),
+        disturbed: dynamics::Disturbed::default(),
         energy: vec![0.0; rows * 2],
         wall_s: 0.5,
     };

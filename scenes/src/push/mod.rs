@@ -136,6 +136,8 @@ impl Verdict {
 pub struct PushMap {
     /// Name of the scene.
     pub scene: String,
+    /// Engine that simulated it: `rapier` or `mujoco`.
+    pub engine: &'static str,
     /// One per direction, by angle.
     pub directions: Vec<PushDirection>,
     /// Mean of survived over limit.
@@ -448,6 +450,7 @@ where
         let directions = found.into_iter().collect::<Result<Vec<_>, _>>()?;
         Ok(PushMap {
             scene: self.stage.name.clone(),
+            engine: E::NAME,
             mean_ratio: directions.iter().map(|d| d.ratio).sum::<f64>() / n as f64,
             min_ratio: directions.iter().map(|d| d.ratio).fold(f64::INFINITY, f64::min),
             symmetry_error_percent: symmetry_error(&directions).map(|e| 100.0 * e),

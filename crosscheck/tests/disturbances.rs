@@ -1,0 +1,123 @@
+//! Disturbances in both engines: what is pushed over in one falls in the other, what is carried weighs the same.
+//!
+//! MuJoCo's Python environment is made on the first run.
+
+use std::cell::RefCell;
+use std::path::Path;
+use std::rc::Rc;
+
+use crosscheck::bridge::Bridge;
+use crosscheck::ground::{self, Shared};
+use crosscheck::world::{Integration, MujocoWorld};
+use crosscheck::{Check, environment, push};
+use dynamics::Carried;
+use motion::Vec3;
+use scenes::Stage;
+use scenes::push::PushSettings;
+use sim::{Engine, WorldSettings};
+
+fn bridge() -> Shared {
+    let python = environment::prepare(&mut |_| {}).unwrap();
+    Rc::new(RefCell::new(Bridge::start(&python).unwrap()))
+}
+
+/// A standing human with these fields in its scene.
+fn scene(fields: &str) -> Stage {
+    let human = Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../scenes/characters/human.ron"));
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("scene.ron");
+    let text = format!("Scene(character: {:?}, rate_hz: 60, {fields})", human.to_str().unwrap());
+    std::fs::write(&path, text).unwrap();
+    scenes::open(&path, None, &Default::default()).unwrap_or_else(|e| panic!("{e}"))
+}
+
+fn failed(checks: &[Check]) -> Vec<String> {
+    let words = |c: &Check| format!("{}: {} and {} {} ({})", c.quantity, c.ours, c.mujoco, c.unit, c.at);
+    checks.iter().filter(|c| !c.pass).map(words).collect()
+}
+
+/// A push that is too hard ends in a fall in both engines, told by the same story.
+#[test]
+fn a_fall_is_a_fall_in_both() {
+    let stage = scene(
+        "settle_s: 2, pushes: [Push(link: \"pelvis\", impulse_ns: 70, towards_deg: 180, start_s: 0.3)]",
+    );
+    let run = ground::scene(&bridge(), &stage, &mut |_| {}).unwrap();
+    let verdict = &run.checks[0];
+    println!("{}", verdict.at);
+    assert_eq!((verdict.ours, verdict.mujoco, verdict.pass), (0.0, 0.0, true), "{}", verdict.at);
+    let stories = [&run.ours, &run.theirs].map(|t| dynamics::fall::of(t).unwrap());
+    let causes = stories.each_ref().map(|f| f.cause().unwrap());
+    assert_eq!(causes[0].margin, causes[1].margin, "{stories:?}");
+    assert!((causes[0].time_s - causes[1].time_s).abs() < 0.05, "{stories:?}");
+}
+
+/// A slope and a crate that comes and goes: the same forces in both.
+#[test]
+fn a_slope_and_a_crate_weigh_the_same_in_both() {
+    let stage = scene(
+        "settle_s: 1.8, world: (ground: Plane(friction: 0.8, tilt_deg: 4, towards_deg: 20)),
+        carried: [Carried(link: \"chest\", mass_kg: 5, at_m: (0.05, 0, 0.2), from_s: 0.8, to_s: 1.3)]",
+    );
+    let run = ground::scene(&bridge(), &stage, &mut |_| {}).unwrap();
+    assert_eq!(failed(&run.checks), [""; 0]);
+    // m g with the crate and without, at the ends of the two spans
+    for trace in [&run.ours, &run.theirs] {
+        let sums = trace.contact_sums();
+        for (s, mass) in [(1.28, 80.0), (1.78, 75.0)] {
+            let row = (s * trace.rate_hz) as usize;
+            let mean = sums[row - 12..row].iter().map(|f| f.y).sum::<f64>() / 12.0;
+            let error = mean / (mass * 9.81) - 1.0;
+            println!("{s} s: {:.2e}", error);
+            assert!(error.abs() < 0.01, "{s} s: {mean} N");
+        }
+    }
+}
+
+/// A mass handed over in flight: MuJoCo's body is from then on one built with it.
+#[test]
+fn a_body_that_is_given_a_mass_is_one_with_it() {
+    let human = dynamics::anthropometry::human::human().0;
+    let settings = WorldSettings {
+        rate_hz: 240.0,
+        substeps: 1,
+        gravity: Vec3::new(0.0, -9.81, 0.0),
+        ground: None,
+        pinned: false,
+        contact: Default::default(),
+    };
+    let v: Vec<f64> = (0..human.skeleton.nv()).map(|i| 0.5 * (i as f64 * 2.3).cos()).collect();
+    for name in ["wrist_r", "pelvis"] {
+        let link = human.skeleton.link(name).unwrap();
+        let load = Carried::solid_box(link, 5.0, Vec3::new(0.1, -0.2, 0.15), Vec3::new(0.3, 0.2, 0.1));
+        let heavy = human.carrying([&load]);
+        let build = |c: &dynamics::Character| {
+            let integration = Integration::reference(2);
+            MujocoWorld::new(bridge(), &integration, c, settings, &human.rest, &v).unwrap()
+        };
+        let (mut given, mut built, mut light) = (build(&human), build(&heavy), build(&human));
+        given.set_masses(&heavy).unwrap();
+        for _ in 0..24 {
+            for world in [&mut given, &mut built, &mut light] {
+                world.step().unwrap();
+            }
+        }
+        let apart = |a: &MujocoWorld, b: &MujocoWorld| {
+            a.v().iter().zip(b.v()).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max)
+        };
+        println!("{name}: {:.1e}, without {:.1e}", apart(&given, &built), apart(&given, &light));
+        assert!(apart(&given, &built) < 1e-9, "{name}: {}", apart(&given, &built));
+        assert!(apart(&given, &light) > 1e-3, "{name}");
+    }
+}
+
+/// Pushes forward and back, coarse: both engines find the same border within the tolerance of the demand.
+#[test]
+fn push_maps_agree() {
+    let settings =
+        PushSettings { directions: 2, tolerance: 0.08, at_s: 0.5, after_s: 2.0, ..PushSettings::default() };
+    let pair = push::compare(&scene("settle_s: 1"), settings, &mut |_| {}, &|_| {}).unwrap();
+    println!("{} and {}", pair.ours.mean_ratio, pair.theirs.mean_ratio);
+    assert_eq!((pair.ours.engine, pair.theirs.engine), ("rapier", "mujoco"));
+    assert!(pair.check.pass, "{:?}", pair.check);
+}

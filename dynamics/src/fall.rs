@@ -1,0 +1,326 @@
+//! Falls: whether a body fell, when, and which margin of balance was lost first.
+//!
+//! In: a [`Trace`] of a body whose root is not pinned. Out: a [`Fall`]. A fall is an outcome of a run like any
+//! other; this is the story of it, from what the trace recorded and nothing else.
+//!
+//! *Fallen*: something else than a foot carries more than [`CARRIES_N`], or the root is lower over the ground than
+//! [`LOW`] of what was asked.
+//!
+//! *Margins*, each with what losing it means. A margin counts as lost at the beginning of the last span of time in
+//! which it is gone without a break longer than [`BREAK_S`] and which lasts until the fall; what came back is not a
+//! cause. Only feet that stand in the first row count, only joints of legs and trunk.
+//!
+//! | margin | lost when |
+//! |---|---|
+//! | capture point | c + ċ/ω₀, ω₀ = √(g/h), is outside the support |
+//! | centre of mass | c is outside the support |
+//! | foot slipped | the middle of a sole is [`SLIPPED_M`] farther from its place than asked |
+//! | foot lifted | the lowest corner of a sole is [`LIFTED_M`] higher over the ground than asked |
+//! | joint limit | the stop of a joint acts with more than [`STOP_NM`] |
+//! | slack muscle | one of a joint's two springs would have to push: the other alone cannot hold the load |
+//!
+//! The support is the hull of the soles that are not lifted, seen from above (of all if all are).
+
+use std::fmt;
+
+use motion::skeleton::vec_at;
+use motion::support::{Support, ground};
+use motion::{Joint, Kinematics, Vec3};
+
+use crate::{JointClass, Model, RootMode, Trace};
+
+/// A link other than a foot that carries more than this has fallen on the ground, N.
+pub const CARRIES_N: f64 = 20.0;
+/// Part of the root's height over the ground asked for below which the body has fallen.
+pub const LOW: f64 = 0.6;
+/// A margin back for longer than this was not lost for good, s.
+pub const BREAK_S: f64 = 0.1;
+/// A sole this much farther from its place than asked has slipped, m.
+pub const SLIPPED_M: f64 = 0.01;
+/// A sole this much higher than asked is lifted, m.
+pub const LIFTED_M: f64 = 0.005;
+/// A stop that acts with more is a joint at its limit, N·m.
+pub const STOP_NM: f64 = 5.0;
+/// A sole nearer to the ground than this in the first row stands, m.
+const STANDS_M: f64 = 0.03;
+
+/// A margin of balance. See the module header.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Margin {
+    /// The capture point left the support.
+    CapturePoint,
+    /// The centre of mass left the support.
+    CenterOfMass,
+    /// A foot slipped.
+    FootSlipped,
+    /// A foot lifted.
+    FootLifted,
+    /// A joint came to the end of its range.
+    JointLimit,
+    /// A joint's muscles went slack.
+    SlackMuscle,
+}
+
+impl Margin {
+    /// As reports name it.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::CapturePoint => "capture point",
+            Self::CenterOfMass => "centre of mass",
+            Self::FootSlipped => "foot slipped",
+            Self::FootLifted => "foot lifted",
+            Self::JointLimit => "joint limit",
+            Self::SlackMuscle => "slack muscle",
+        }
+    }
+}
+
+/// A margin that was lost and did not come back.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Loss {
+    /// Which.
+    pub margin: Margin,
+    /// When, s.
+    pub time_s: f64,
+    /// The leg of the foot, or the link of the joint.
+    pub part: Option<String>,
+}
+
+impl fmt::Display for Loss {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let part = self.part.as_deref().unwrap_or("a joint");
+        match self.margin {
+            Margin::CapturePoint => write!(f, "the capture point left the support")?,
+            Margin::CenterOfMass => write!(f, "the centre of mass left the support")?,
+            Margin::FootSlipped => write!(f, "the foot of {part} slipped")?,
+            Margin::FootLifted => write!(f, "the foot of {part} lifted")?,
+            Margin::JointLimit => write!(f, "{part} came to the end of its range")?,
+            Margin::SlackMuscle => write!(f, "a muscle of {part} went slack")?,
+        }
+        write!(f, " at {:.2} s", self.time_s)
+    }
+}
+
+/// A fall. See the module header.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Fall {
+    /// When something else than a foot carried load, or the body was low, s.
+    pub time_s: f64,
+    /// Margins lost for good before it, in order of loss.
+    pub losses: Vec<Loss>,
+}
+
+impl Fall {
+    /// The margin lost first.
+    pub fn cause(&self) -> Option<&Loss> {
+        self.losses.first()
+    }
+
+    /// When the first margin was lost, s; of a fall without one, the fall.
+    pub fn first_s(&self) -> f64 {
+        self.cause().map_or(self.time_s, |l| l.time_s)
+    }
+}
+
+impl fmt::Display for Fall {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "falls at {:.2} s", self.time_s)?;
+        self.cause().map_or(Ok(()), |cause| write!(f, " after {cause}"))
+    }
+}
+
+/// Whether the body lies on the ground or is far lower than asked in a row of a trace.
+pub fn fallen(trace: &Trace, model: &Model, row: usize) -> bool {
+    let Some(ground) = trace.ground_m else { return false };
+    let feet: Vec<usize> = trace.character.legs().map(|l| model.body_of[l.end].0).collect();
+    let first = trace.contacts.partition_point(|c| c.row < row);
+    let here = trace.contacts[first..].iter().take_while(|c| c.row == row);
+    let other =
+        here.into_iter().any(|c| !feet.contains(&model.body_of[c.link].0) && c.force.norm() > CARRIES_N);
+    if other || !matches!(model.bodies[0].joint, Joint::Free) {
+        return other;
+    }
+    let height = |q: &[f64]| model.skeleton.position(q, 0).y - ground;
+    height(trace.pose(row)) < LOW * height(trace.target_pose(row))
+}
+
+/// The fall of a trace, if its body fell.
+pub fn of(trace: &Trace) -> Option<Fall> {
+    if trace.root == RootMode::Pinned || trace.ground_m.is_none() {
+        return None;
+    }
+    let model = Model::new(&trace.character, trace.gravity);
+    let row = (1..trace.rows()).find(|&row| fallen(trace, &model, row))?;
+    Some(at_row(trace, &model, row))
+}
+
+/// The story of a fall that happened in a row.
+pub fn at_row(trace: &Trace, model: &Model, row: usize) -> Fall {
+    let mut search = Search::new(trace, model, row);
+    for back in (1..=row).rev() {
+        if !search.see(back) {
+            break;
+        }
+    }
+    Fall { time_s: row as f64 / trace.rate_hz, losses: search.losses() }
+}
+
+/// A margin while rows are looked at from the fall backwards.
+struct Watch {
+    margin: Margin,
+    link: Option<usize>,
+    /// Earliest row in which it is gone; `None` if not yet.
+    since: Option<usize>,
+    /// Rows in which it is there, since then.
+    there: usize,
+    done: bool,
+}
+
+impl Watch {
+    fn of(margin: Margin, link: Option<usize>) -> Self {
+        Self { margin, link, since: None, there: 0, done: false }
+    }
+
+    fn see(&mut self, row: usize, gone: bool, most: usize) {
+        if self.done {
+            return;
+        }
+        if gone {
+            (self.since, self.there) = (Some(row), 0);
+        } else {
+            self.there += 1;
+            self.done = self.there > most;
+        }
+    }
+}
+
+/// A standing foot: its link and its corners, with where they are in the first row of the run and of what was asked.
+struct Sole {
+    link: usize,
+    corners: Vec<(usize, Vec3)>,
+    home: Vec3,
+    asked_home: Vec3,
+}
+
+struct Search<'a> {
+    trace: &'a Trace,
+    model: &'a Model,
+    soles: Vec<Sole>,
+    joints: Vec<usize>,
+    watches: Vec<Watch>,
+    most: usize,
+    k: Kinematics,
+    asked: Kinematics,
+}
+
+fn middle(corners: &[(usize, Vec3)], k: &Kinematics) -> Vec3 {
+    corners.iter().map(|(link, at)| k.point(*link, at)).sum::<Vec3>() / corners.len() as f64
+}
+
+impl<'a> Search<'a> {
+    fn new(trace: &'a Trace, model: &'a Model, fell: usize) -> Self {
+        let c = &trace.character;
+        let k = Kinematics::new(&c.skeleton, trace.pose(0));
+        let asked = Kinematics::new(&c.skeleton, trace.target_pose(0));
+        let sites = c.contacts.iter().map(|&i| &c.skeleton.sites()[i]);
+        let soles = c.legs().filter_map(|leg| {
+            let body = model.body_of[leg.end].0;
+            let corners: Vec<(usize, Vec3)> =
+                sites.clone().filter(|s| model.body_of[s.link].0 == body).map(|s| (s.link, s.at)).collect();
+            let stands = corners.iter().any(|(l, at)| trace.height(&k.point(*l, at)) < STANDS_M);
+            stands.then(|| Sole {
+                link: leg.end,
+                home: middle(&corners, &k),
+                asked_home: middle(&corners, &asked),
+                corners,
+            })
+        });
+        let soles: Vec<Sole> = soles.collect();
+        let holds = |i: &usize| {
+            use JointClass::{Ankle, Hip, Knee, Spine};
+            matches!(c.classes[model.bodies[*i].link], Hip | Knee | Ankle | Spine)
+        };
+        let joints: Vec<usize> = (0..model.bodies.len()).filter(holds).collect();
+        let mut watches = vec![Watch::of(Margin::CapturePoint, None), Watch::of(Margin::CenterOfMass, None)];
+        for margin in [Margin::FootSlipped, Margin::FootLifted] {
+            watches.extend(soles.iter().map(|s| Watch::of(margin, Some(s.link))));
+        }
+        for margin in [Margin::JointLimit, Margin::SlackMuscle] {
+            watches.extend(joints.iter().map(|&i| Watch::of(margin, Some(model.bodies[i].link))));
+        }
+        let most = ((BREAK_S * trace.rate_hz).round() as usize).clamp(1, fell.max(1));
+        Self { trace, model, soles, joints, watches, most, k, asked }
+    }
+
+    /// Looks at a row; `false` when nothing is left to look for.
+    fn see(&mut self, row: usize) -> bool {
+        let t = self.trace;
+        let skeleton = &t.character.skeleton;
+        self.k.update(skeleton, t.pose(row));
+        self.asked.update(skeleton, t.target_pose(row));
+        let (k, asked) = (&self.k, &self.asked);
+        let lowest = |s: &Sole, k: &Kinematics| {
+            s.corners.iter().map(|(l, at)| t.height(&k.point(*l, at))).fold(f64::INFINITY, f64::min)
+        };
+        let slipped = |s: &Sole| {
+            let gone = middle(&s.corners, k) - s.home;
+            let was_to = middle(&s.corners, asked) - s.asked_home;
+            ground(&(gone - was_to)).norm() > SLIPPED_M
+        };
+        let lifted: Vec<bool> =
+            self.soles.iter().map(|s| lowest(s, k) > lowest(s, asked).max(0.0) + LIFTED_M).collect();
+        let all = lifted.iter().all(|l| *l);
+        let standing = self.soles.iter().zip(&lifted).filter(|(_, lifted)| all || !**lifted);
+        let corners: Vec<Vec3> =
+            standing.flat_map(|(s, _)| s.corners.iter().map(|(l, at)| k.point(*l, at))).collect();
+        let support = Support::of(&corners);
+        let com = t.com_at(row);
+        let omega = (t.gravity.norm() / t.height(&com).max(0.2)).sqrt();
+        let velocity = vec_at(&t.momentum, 6 * row) / t.mass_at(row);
+        let outside = |p: &Vec3| !support.is_empty() && !support.contains(&ground(p));
+        let mut gone = vec![outside(&(com + velocity / omega)), outside(&com)];
+        gone.extend(self.soles.iter().map(slipped));
+        gone.extend(&lifted);
+        let nv = skeleton.nv();
+        let cells = |i: usize| {
+            let b = &self.model.bodies[i];
+            row * nv + b.v_at..row * nv + b.v_at + b.joint.nv().min(3)
+        };
+        gone.extend(
+            self.joints
+                .iter()
+                .map(|&i| t.stop_torque[cells(i)].iter().map(|x| x * x).sum::<f64>().sqrt() > STOP_NM),
+        );
+        gone.extend(
+            self.joints.iter().map(|&i| {
+                cells(i).any(|c| t.k_lo[c].min(t.k_hi[c]) <= 0.0 && t.k_lo[c].max(t.k_hi[c]) > 0.0)
+            }),
+        );
+        for (watch, gone) in self.watches.iter_mut().zip(gone) {
+            watch.see(row, gone, self.most);
+        }
+        self.watches.iter().any(|w| !w.done)
+    }
+
+    /// The earliest loss of each margin, in order.
+    fn losses(&self) -> Vec<Loss> {
+        let links = self.trace.character.skeleton.links();
+        let mut found: Vec<&Watch> = self.watches.iter().filter(|w| w.since.is_some()).collect();
+        found.sort_by_key(|w| (w.since, w.margin));
+        let mut losses: Vec<Loss> = Vec::new();
+        for w in found {
+            if losses.iter().all(|l| l.margin != w.margin) {
+                losses.push(Loss {
+                    margin: w.margin,
+                    time_s: w.since.unwrap_or(0) as f64 / self.trace.rate_hz,
+                    part: w.link.map(|l| {
+                        let foot = matches!(w.margin, Margin::FootSlipped | Margin::FootLifted);
+                        let leg = self.trace.character.legs().find(|leg| foot && leg.end == l);
+                        leg.map_or_else(|| links[l].name.clone(), |leg| leg.name.clone())
+                    }),
+                });
+            }
+        }
+        losses
+    }
+}

@@ -1,0 +1,162 @@
+//! Laws of disturbances: tilted ground, masses that come and go.
+
+use std::sync::Arc;
+
+use dynamics::{Body, Carried, Character, ContactSample, JointClass, Model, State};
+use motion::{Joint, Link, Quat, Shape, Skeleton, Vec3};
+use nalgebra::Matrix3;
+use sim::{Engine, Ground, World, WorldSettings};
+
+const G: f64 = 9.81;
+
+fn settings(rate_hz: f64, substeps: usize, ground: Option<Ground>) -> WorldSettings {
+    let gravity = Vec3::new(0.0, -G, 0.0);
+    WorldSettings { rate_hz, substeps, gravity, ground, pinned: false, contact: Default::default() }
+}
+
+fn character(links: Vec<Link>, bodies: Vec<Body>) -> Character {
+    let skeleton = Arc::new(Skeleton::new(links).unwrap());
+    Character {
+        name: "test".into(),
+        classes: vec![JointClass::Other; bodies.len()],
+        rest: skeleton.zero_pose(),
+        skeleton,
+        bodies,
+        contacts: vec![],
+    }
+    .check()
+    .unwrap()
+}
+
+const MASS: f64 = 12.0;
+const HALF: [f64; 3] = [0.15, 0.05, 0.2];
+
+fn solid_box() -> Character {
+    let half = Vec3::from(HALF);
+    let c = Carried::solid_box(0, MASS, Vec3::zeros(), half * 2.0);
+    let shapes = vec![Shape::Box { center: Vec3::zeros(), half, rotation: Quat::identity() }];
+    let body = Body { mass: c.mass, com: c.at, inertia: c.inertia, shapes };
+    character(vec![Link::new("box", None, Vec3::zeros(), Joint::Free)], vec![body])
+}
+
+/// A box on tilted ground, resting flat on it: its world and its total contact force after a second.
+fn on_slope(ground: Ground) -> (World, Vec3) {
+    let c = solid_box();
+    let mut q = c.rest.clone();
+    c.skeleton.set_position(&mut q, 0, &(Vec3::y() * ground.height_m + ground.up * HALF[1]));
+    let r = ground.turn();
+    q[3..7].copy_from_slice(&[r.w, r.i, r.j, r.k]);
+    let mut world = World::new(&c, settings(240.0, 2, Some(ground)), &q, &[0.0; 6]).unwrap();
+    let mut force = Vec3::zeros();
+    for step in 0..240 {
+        world.step().unwrap();
+        if step >= 180 {
+            let mut touching: Vec<ContactSample> = Vec::new();
+            world.contacts(0, &mut touching);
+            force += touching.iter().map(|c| c.force).sum::<Vec3>() / 60.0;
+        }
+    }
+    (world, force)
+}
+
+/// Where friction holds, the ground gives m g: m g cos α along its normal and m g sin α up the slope, wherever the
+/// slope faces.
+#[test]
+fn a_slope_carries_the_weight() {
+    let weight = MASS * G;
+    for (tilt, towards) in [(0.0, 0.0), (0.1, 0.0), (0.3, 1.0), (0.3, -2.5), (0.5, 3.0)] {
+        let ground = Ground::level(0.7, 0.9).tilted(tilt, towards);
+        let (_, force) = on_slope(ground);
+        let along = force.dot(&ground.up);
+        let up_the_slope = (Vec3::y() - ground.up * ground.up.y).try_normalize(1e-9).unwrap_or_default();
+        let error = [
+            (force - Vec3::y() * weight).norm(),
+            (along - weight * tilt.cos()).abs(),
+            (force.dot(&up_the_slope) - weight * tilt.sin()).abs(),
+        ];
+        println!("{tilt} {towards}: {error:?} N");
+        assert!(error.iter().all(|e| *e < 1e-3 * weight), "{tilt} rad towards {towards}: {error:?} N");
+        // it falls to where it says
+        let down = Vec3::new(towards.sin(), 0.0, towards.cos());
+        assert!(tilt == 0.0 || ground.up.dot(&down) > 0.0);
+    }
+}
+
+/// Beyond the friction angle it slides down with g (sin α − μ cos α).
+#[test]
+fn too_steep_a_slope_lets_go() {
+    let (tilt, friction): (f64, f64) = (0.4, 0.2);
+    let ground = Ground::level(0.0, friction).tilted(tilt, 0.8);
+    let (world, force) = on_slope(ground);
+    let speed = Vec3::new(world.v()[0], world.v()[1], world.v()[2]).norm();
+    let expected = G * (tilt.sin() - friction * tilt.cos()); // after one second
+    println!("{speed} of {expected} m/s");
+    assert!((speed / expected - 1.0).abs() < 0.01, "{speed} {expected}"); // 0.1 % seen
+    let normal = force.dot(&ground.up);
+    let tangential = (force - ground.up * normal).norm();
+    assert!((tangential / normal - friction).abs() < 1e-3, "{}", tangential / normal);
+}
+
+fn tree() -> Character {
+    let links = vec![
+        Link::new("root", None, Vec3::zeros(), Joint::Free),
+        Link::new("ball", Some(0), Vec3::new(0.1, 0.2, 0.0), Joint::Spherical),
+        Link::new("hinge", Some(1), Vec3::new(0.0, 0.3, 0.1), Joint::Revolute(Vec3::new(0.6, 0.0, 0.8))),
+        Link::new("weld", Some(2), Vec3::new(0.0, 0.1, 0.0), Joint::Fixed),
+    ];
+    let body = |mass: f64, com: [f64; 3]| Body {
+        mass,
+        com: Vec3::from(com),
+        inertia: Matrix3::from_diagonal(&Vec3::new(0.02, 0.03, 0.025)) * mass,
+        shapes: vec![],
+    };
+    let bodies = vec![
+        body(3.0, [0.05, -0.02, 0.03]),
+        body(2.0, [0.0, 0.1, 0.0]),
+        body(1.0, [0.02, 0.1, -0.05]),
+        body(0.5, [0.0, 0.1, 0.0]),
+    ];
+    character(links, bodies)
+}
+
+/// A mass handed over in flight, whatever link takes it: from then on the body moves as one built with it; and when
+/// it is taken again, as one without.
+#[test]
+fn a_body_that_is_given_a_mass_is_one_with_it() {
+    let c = tree();
+    let mut q = c.skeleton.zero_pose();
+    let turn: Vec<f64> = (0..c.skeleton.nv()).map(|i| 0.4 * (i as f64 * 1.7).sin()).collect();
+    c.skeleton.integrate(&mut q, &turn, 1.0);
+    let v: Vec<f64> = (0..c.skeleton.nv()).map(|i| 1.5 * (i as f64 * 2.3).cos()).collect();
+    for link in 0..4 {
+        let load = Carried::solid_box(link, 2.5, Vec3::new(0.1, -0.2, 0.15), Vec3::new(0.3, 0.2, 0.1));
+        let heavy = c.carrying([&load]);
+        let mut world = World::new(&c, settings(480.0, 1, None), &q, &v).unwrap();
+        for (other, bare) in [(&heavy, &c), (&c, &heavy)] {
+            let momentum = |world: &World, of: &Character| {
+                let model = Model::new(of, Vec3::y() * -G);
+                let mut state = State::new(&model);
+                state.update(&model, world.q(), world.v());
+                state.momentum(&model).linear
+            };
+            let before = (world.q().to_vec(), world.v().to_vec());
+            world.set_masses(other).unwrap();
+            assert_eq!((world.q(), world.v()), (&before.0[..], &before.1[..]));
+            let gained = (momentum(&world, other) - momentum(&world, bare)).norm();
+            assert!(gained > 0.1, "{gained}");
+            let mut built = World::new(other, settings(480.0, 1, None), &before.0, &before.1).unwrap();
+            for _ in 0..60 {
+                world.step().unwrap();
+                built.step().unwrap();
+            }
+            let apart = world.v().iter().zip(built.v()).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+            println!("link {link}: {apart:.1e}");
+            assert!(apart < 1e-9, "link {link}: {apart}");
+            // a wrong mass is seen
+            let mut light = World::new(bare, settings(480.0, 1, None), &before.0, &before.1).unwrap();
+            (0..60).for_each(|_| light.step().unwrap());
+            let apart = world.v().iter().zip(light.v()).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+            assert!(apart > 1e-3, "link {link}: {apart}");
+        }
+    }
+}
