@@ -12,6 +12,7 @@
 //! | [`posture`] | the pelvis shift that keeps a pose over its feet |
 //! | [`balance`] | the reactive property that keeps a body on its feet |
 //! | [`assist`] | a root wrench with a hard budget |
+//! | [`parameters`] | what may be tuned: names, units, ranges, consequences |
 //! | [`controller`] | all of them, step by step |
 
 pub mod antagonist;
@@ -20,6 +21,7 @@ pub mod balance;
 pub mod controller;
 pub mod drive;
 pub mod goal;
+pub mod parameters;
 pub mod posture;
 pub mod stops;
 pub mod support;
@@ -31,5 +33,6 @@ pub use balance::{Balance, BalanceSettings};
 pub use controller::{Controller, Sagging, Setup};
 pub use drive::{Drive, Rest, rest_of};
 pub use goal::Goal;
+pub use parameters::{PARAMETERS, Parameter, Tunable, parameter};
 pub use tension::{Need, StanceLeg, TensionScale};
 pub use transition::GainBlend;
