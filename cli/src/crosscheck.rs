@@ -32,6 +32,7 @@ pub fn run(args: &CrosscheckArgs) -> Result<(), Failure> {
         against: args.against.clone(),
         inject: args.inject.clone(),
         states_only: args.states_only,
+        patch: crate::args::patch(args.patch.as_deref()).map_err(Failure::input)?,
     };
     let mut part = "";
     let done = crosscheck::run(&args.input, &options, &mut |event| match event {

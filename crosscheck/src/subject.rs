@@ -18,6 +18,7 @@ use dynamics::mjcf::{self, MjcfError, MjcfOptions};
 use dynamics::mujoco_layout::Layout;
 use dynamics::{Character, Model, RootMode};
 use motion::{Quat, Vec3};
+use scenes::Patch;
 use scenes::overrides::{Overrides, RootChoice};
 use scenes::{Stage, StageError};
 use sim::PassError;
@@ -45,6 +46,8 @@ pub struct Options {
     pub inject: Vec<Injection>,
     /// Random states only: no motion, no contact.
     pub states_only: bool,
+    /// Patch of tension and balance, for a scene.
+    pub patch: Option<Patch>,
 }
 
 impl Default for Options {
@@ -55,6 +58,7 @@ impl Default for Options {
             dynamics_only: false,
             against: None,
             inject: Vec::new(),
+            patch: None,
             states_only: false,
         }
     }
@@ -256,15 +260,15 @@ fn open(path: &Path, options: &Options) -> Result<Subject, CrossCheckError> {
         }
         Some("ron") => match scenes::character_in(path).map_err(StageError::from)? {
             Some(character) => Ok(Subject::Character(character)),
-            None => Ok(Subject::Stage(Box::new(stage_of(path, None)?))),
+            None => Ok(Subject::Stage(Box::new(stage_of(path, None, options)?))),
         },
-        Some("bvh") => Ok(Subject::Stage(Box::new(stage_of(path, None)?))),
+        Some("bvh") => Ok(Subject::Stage(Box::new(stage_of(path, None, options)?))),
         _ => Err(CrossCheckError::Kind(path.display().to_string())),
     }
 }
 
-fn stage_of(path: &Path, root: Option<RootChoice>) -> Result<Stage, StageError> {
-    let overrides = Overrides { root, ..Overrides::default() };
+fn stage_of(path: &Path, root: Option<RootChoice>, options: &Options) -> Result<Stage, StageError> {
+    let overrides = Overrides { patch: options.patch.clone(), root, ..Overrides::default() };
     scenes::open_with(path, None, &Default::default(), &overrides)
 }
 
@@ -316,7 +320,7 @@ fn engines(
         return Ok(());
     }
     let free = matches!(stage.character.skeleton.links()[0].joint, motion::Joint::Free);
-    let pinned = if free { stage_of(path, Some(RootChoice::Pinned))? } else { stage.clone() };
+    let pinned = if free { stage_of(path, Some(RootChoice::Pinned), options)? } else { stage.clone() };
     say(Event::Part("motion without contact", 0.0));
     let forward = forward::compare(bridge, &pinned, &mut |x| say(Event::Part("motion without contact", x)))?;
     out.checks.extend(forward.checks.clone());

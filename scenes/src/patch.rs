@@ -103,7 +103,8 @@ impl Patch {
             let was = c.was.map_or(String::new(), |x| format!("was: {x:?}, "));
             let unit = if c.parameter.unit.is_empty() { "1" } else { c.parameter.unit };
             let name = c.parameter.name;
-            text += &format!("        \"{name}\": ({was}is: {:?}), // {unit}: {}\n", c.is, c.parameter.meaning);
+            text +=
+                &format!("        \"{name}\": ({was}is: {:?}), // {unit}: {}\n", c.is, c.parameter.meaning);
         }
         text + "    },\n)\n"
     }

@@ -11,7 +11,9 @@
 //!
 //! N. Hansen. The CMA Evolution Strategy: A Tutorial. arXiv 1604.00772, 2016.
 
-use argmin::core::{CostFunction, Error, IterState, KV, Problem, Solver, TerminationReason, TerminationStatus};
+use argmin::core::{
+    CostFunction, Error, IterState, KV, Problem, Solver, TerminationReason, TerminationStatus,
+};
 use nalgebra::{DMatrix, DVector, SymmetricEigen};
 use rand::{Rng, SeedableRng};
 use rand_pcg::Pcg64;
@@ -55,8 +57,7 @@ impl CmaEs {
         let n = mean.len() as f64;
         let lambda = population(mean.len());
         let mu = lambda / 2;
-        let raw: Vec<f64> =
-            (1..=mu).map(|i| (0.5 * (lambda as f64 + 1.0)).ln() - (i as f64).ln()).collect();
+        let raw: Vec<f64> = (1..=mu).map(|i| (0.5 * (lambda as f64 + 1.0)).ln() - (i as f64).ln()).collect();
         let sum: f64 = raw.iter().sum();
         let w: Vec<f64> = raw.iter().map(|x| x / sum).collect();
         let mu_eff = 1.0 / w.iter().map(|x| x * x).sum::<f64>();
@@ -87,7 +88,10 @@ impl CmaEs {
     }
 
     /// One generation: sample, cost, move (equations 38 to 47).
-    fn evolve(&mut self, cost: impl FnOnce(&[Point]) -> Result<Vec<f64>, Error>) -> Result<(Point, f64), Error> {
+    fn evolve(
+        &mut self,
+        cost: impl FnOnce(&[Point]) -> Result<Vec<f64>, Error>,
+    ) -> Result<(Point, f64), Error> {
         let n = self.mean.len();
         let steps: Vec<DVector<f64>> = (0..self.lambda)
             .map(|_| {
@@ -148,9 +152,8 @@ impl<O: CostFunction<Param = Point, Output = f64>> Solver<O, Iteration> for CmaE
         problem: &mut Problem<O>,
         state: Iteration,
     ) -> Result<(Iteration, Option<KV>), Error> {
-        let cost = |points: &[Point]| {
-            problem.bulk_problem("cost_count", points.len(), |p| p.bulk_cost(points))
-        };
+        let cost =
+            |points: &[Point]| problem.bulk_problem("cost_count", points.len(), |p| p.bulk_cost(points));
         let (point, cost) = self.evolve(cost)?;
         Ok((state.param(point).cost(cost), None))
     }

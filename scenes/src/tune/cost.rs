@@ -36,9 +36,7 @@ use sim::{PassError, Push, Run};
 use super::search::{Objective, Sample};
 use super::{TuneError, TuneSpec};
 use crate::Stage;
-use crate::push::{
-    COM_AWAY_M, FOOT_MOVED_M, carrier, direction, held_until, limit_ns, middle, to_edge,
-};
+use crate::push::{COM_AWAY_M, FOOT_MOVED_M, carrier, direction, held_until, limit_ns, middle, to_edge};
 
 /// Names of the terms, in the order of [`Sample::terms`](super::Sample::terms).
 pub const TERMS: [&str; 5] = ["fall", "tracking", "effort", "overshoot", "smoothness"];

@@ -23,6 +23,11 @@ pub fn head(parameters: &[&Parameter]) -> String {
     names.join(",")
 }
 
+/// Names of the parameters in a line of column names.
+pub fn parameters_of(head: &str) -> Vec<&str> {
+    head.split(',').skip(BEFORE).collect()
+}
+
 /// One line, without its end.
 pub fn line(index: usize, s: &Sample) -> String {
     let mut text = format!("{index},{}", s.cost);
@@ -66,7 +71,8 @@ pub struct Table {
 pub fn read(text: &str) -> Result<Table, String> {
     let mut lines = text.split_inclusive('\n');
     let mut next = || lines.next().and_then(|l| l.strip_suffix('\n'));
-    let identity = next().and_then(|l| l.strip_prefix("# ")).ok_or("line 1 is no `# …` that says which run it is")?;
+    let identity =
+        next().and_then(|l| l.strip_prefix("# ")).ok_or("line 1 is no `# …` that says which run it is")?;
     let head = next().filter(|l| l.starts_with("index,cost,")).ok_or("line 2 does not name the columns")?;
     let mut table = Table { identity: identity.into(), head: head.into(), samples: vec![], torn: vec![] };
     let columns = head.split(',').count();

@@ -56,7 +56,9 @@ pub enum TuneError {
         scene: String,
     },
     /// A state on disk that is another search's.
-    #[error("{path} is of another run\n  found:  {found}\n  needed: {needed}\n  help: --fresh begins anew, --out takes another folder")]
+    #[error(
+        "{path} is of another run\n  found:  {found}\n  needed: {needed}\n  help: --fresh begins anew, --out takes another folder"
+    )]
     Other {
         /// The file.
         path: String,
@@ -150,6 +152,16 @@ pub fn slices(
             Slice { parameter, points: line }
         })
         .collect()
+}
+
+/// All parameters there are.
+pub fn parameters() -> &'static [Parameter] {
+    controllers::PARAMETERS
+}
+
+/// What a parameter is and what turning it does; empty for a name that is none.
+pub fn meaning(name: &str) -> &'static str {
+    controllers::parameter(name).map_or("", |p| p.meaning)
 }
 
 /// The best of some samples: least cost, the first of equals.

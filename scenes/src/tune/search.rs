@@ -10,7 +10,9 @@
 use std::cell::RefCell;
 use std::collections::HashMap;
 
-use argmin::core::{CostFunction, Error, IterState, Problem, SendAlias, Solver, State, SyncAlias, TerminationStatus};
+use argmin::core::{
+    CostFunction, Error, IterState, Problem, SendAlias, Solver, State, SyncAlias, TerminationStatus,
+};
 use argmin::solver::neldermead::NelderMead;
 use rand::SeedableRng;
 use rand_pcg::Pcg64;
@@ -74,8 +76,10 @@ pub struct Search {
     pub step: f64,
 }
 
-/// The search ends when its points are this near to each other, part of the ranges.
-const TOLERANCE: f64 = 1e-4;
+/// CMA-ES ends when its points are this near to each other, part of the ranges.
+const NEAR: f64 = 1e-4;
+/// Nelder and Mead end when the costs of the simplex have this standard deviation.
+const ALIKE: f64 = 1e-6;
 
 /// Runs a search in `n` dimensions. `known`: samples of the same search, interrupted. After every generation `kept` is
 /// given all samples so far; its error ends the search.
@@ -98,7 +102,7 @@ pub fn search(
         SolverKind::CmaEs => {
             costs.all(&[Point(start.clone())]);
             // the start took numbers of this seed's stream; the walk has its own
-            let solver = CmaEs::new(&start, how.step, how.seed ^ WALK, TOLERANCE);
+            let solver = CmaEs::new(&start, how.step, how.seed ^ WALK, NEAR);
             run(solver, &costs, how.evaluations, kept)
         }
         SolverKind::NelderMead => {
@@ -115,7 +119,7 @@ pub fn search(
             if costs.kept.borrow().fresh {
                 kept(&costs.kept.borrow().samples)?;
             }
-            let solver = NelderMead::new(simplex).with_sd_tolerance(TOLERANCE).map_err(|e| e.to_string())?;
+            let solver = NelderMead::new(simplex).with_sd_tolerance(ALIKE).map_err(|e| e.to_string())?;
             run(solver, &costs, how.evaluations, kept)
         }
     };
@@ -279,7 +283,7 @@ mod tests {
             for (solver, function, n, most) in [
                 (SolverKind::CmaEs, sphere as fn(&[f64]) -> f64, 8, 1e-6),
                 (SolverKind::CmaEs, rosenbrock, 4, 1e-4),
-                (SolverKind::NelderMead, sphere, 4, 1e-4),
+                (SolverKind::NelderMead, sphere, 4, 1e-5),
                 (SolverKind::NelderMead, rosenbrock, 2, 1e-3),
             ] {
                 let samples = found(function, n, &how(solver, seed, 6000));

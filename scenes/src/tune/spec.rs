@@ -145,10 +145,7 @@ impl TuneSpec {
 ///
 /// # Errors
 /// What `unknown` makes of a name that does not exist.
-pub fn named<E>(
-    names: &[String],
-    unknown: impl Fn(usize, &str) -> E,
-) -> Result<Vec<&'static Parameter>, E> {
+pub fn named<E>(names: &[String], unknown: impl Fn(usize, &str) -> E) -> Result<Vec<&'static Parameter>, E> {
     let mut found: Vec<&'static Parameter> = Vec::new();
     for (i, name) in names.iter().enumerate() {
         let p = parameter(name).ok_or_else(|| unknown(i, name))?;

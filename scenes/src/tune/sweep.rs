@@ -51,7 +51,9 @@ pub enum SweepError {
     #[error("`{0}` is no shard; allowed: i/n with i from 1 to n, such as 3/8")]
     Shard(String),
     /// A file of another sweep.
-    #[error("{path} is of another sweep\n  found:  {found}\n  needed: {needed}\n  help: --fresh begins anew, --out takes another folder")]
+    #[error(
+        "{path} is of another sweep\n  found:  {found}\n  needed: {needed}\n  help: --fresh begins anew, --out takes another folder"
+    )]
     Other {
         /// The file.
         path: String,
@@ -61,7 +63,9 @@ pub enum SweepError {
         needed: String,
     },
     /// One sample with two results.
-    #[error("sample {index} has two costs, {a} and {b}, in {path}: the files are of different programs or scenes")]
+    #[error(
+        "sample {index} has two costs, {a} and {b}, in {path}: the files are of different programs or scenes"
+    )]
     Contradiction {
         /// The sample.
         index: usize,
@@ -212,10 +216,19 @@ impl Grid {
 
     /// The first line of its table.
     pub fn identity(&self, scene: &str, digest: &str) -> String {
-        let axes: Vec<String> =
-            self.axes.iter().map(|a| format!("{}={}..{}:{}", a.parameter.name, a.from, a.to, a.points)).collect();
-        format!("contrapposto sweep of {scene}: {} input={digest}", axes.join(" "))
+        let axes: Vec<String> = self
+            .axes
+            .iter()
+            .map(|a| format!("{}={}..{}:{}", a.parameter.name, a.from, a.to, a.points))
+            .collect();
+        let samples = self.len();
+        format!("contrapposto sweep of {scene}: {} samples={samples} input={digest}", axes.join(" "))
     }
+}
+
+/// Samples of the whole grid, by the first line of its table.
+pub fn samples_of(identity: &str) -> Option<usize> {
+    identity.split(' ').find_map(|word| word.strip_prefix("samples="))?.parse().ok()
 }
 
 /// A part of a grid: the `i`-th of `n`, from 1.
