@@ -258,7 +258,7 @@ mod tests {
         u.iter().enumerate().map(|(i, x)| (x - 0.3 - 0.05 * i as f64).powi(2)).sum()
     }
 
-    /// Rosenbrock's valley over [−2, 2]ⁿ: optimum 0 at 1, that is 0.75 of the range.
+    /// Rosenbrock's valley over [−2, 2]ⁿ: optimum 0 at 1, that is 0.75 of the range; from n = 4 on it has a second minimum.
     fn rosenbrock(u: &[f64]) -> f64 {
         let x: Vec<f64> = u.iter().map(|u| 4.0 * u - 2.0).collect();
         x.windows(2).map(|p| 100.0 * (p[1] - p[0] * p[0]).powi(2) + (1.0 - p[0]).powi(2)).sum()
@@ -282,7 +282,7 @@ mod tests {
         for seed in [1, 2, 3] {
             for (solver, function, n, most) in [
                 (SolverKind::CmaEs, sphere as fn(&[f64]) -> f64, 8, 1e-6),
-                (SolverKind::CmaEs, rosenbrock, 4, 1e-4),
+                (SolverKind::CmaEs, rosenbrock, 3, 1e-6),
                 (SolverKind::NelderMead, sphere, 4, 1e-5),
                 (SolverKind::NelderMead, rosenbrock, 2, 1e-3),
             ] {
