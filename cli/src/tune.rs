@@ -60,6 +60,8 @@ pub struct Found {
     pub slices: Vec<Slice>,
     /// Push maps, before and after.
     pub maps: Option<(PushMap, Option<PushMap>)>,
+    /// Why one of them is missing.
+    pub missing: Option<String>,
 }
 
 fn search(args: &TuneArgs, stage: &Stage) -> Result<(), Failure> {
@@ -121,19 +123,24 @@ fn search(args: &TuneArgs, stage: &Stage) -> Result<(), Failure> {
         part("slicing");
         slices = tune::slices(&cost, &spec.parameters, &best, args.slices, &tell);
     }
-    let mut maps = None;
+    let (mut maps, mut missing) = (None, None);
     if args.directions > 0 {
         let settings = PushSettings { directions: args.directions, ..PushSettings::default() };
         part("map before");
-        // a body that does not stand has no map: that is a result here, not a failure
-        if let Ok(before) = push::map(stage, settings, &tell) {
-            part("map after");
-            let mut tuned = stage.clone();
-            tuned.set_tunable(&cost.with_values(&best.values));
-            maps = Some((before, push::map(&tuned, settings, &tell).ok()));
+        // a body that does not stand by itself has no map: a result here, not a failure
+        match push::map(stage, settings, &tell) {
+            Err(e) => missing = Some(format!("before: {e}")),
+            Ok(before) => {
+                part("map after");
+                let mut tuned = stage.clone();
+                tuned.set_tunable(&cost.with_values(&best.values));
+                let after = push::map(&tuned, settings, &tell);
+                missing = after.as_ref().err().map(|e| format!("after: {e}"));
+                maps = Some((before, after.ok()));
+            }
         }
     }
-    let found = Found { before, after: best, samples, slices, maps };
+    let found = Found { before, after: best, samples, slices, maps, missing };
     let report = write(args, stage, &spec, &how, &cost, &found, &dir)?;
     drop(bar);
     output::print(&if args.json { report.to_json() } else { tune_page::summary(&report, &dir) })
@@ -174,6 +181,7 @@ fn write(
     let counts = (found.samples.len(), cost.runs());
     let mut report = TuneReport::new(&stage.name, how, &spec.parameters, counts, &found.before, &found.after);
     report.push_map = found.maps.as_ref().map(|(a, b)| tune::report::MapReport::of(a, b.as_ref()));
+    report.push_map_missing.clone_from(&found.missing);
     let output = Output::replacing(dir, ours())?;
     let mut add = |what: &str, file: &str| {
         report.files.insert(what.into(), file.into());

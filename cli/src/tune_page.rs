@@ -4,7 +4,6 @@ use std::path::Path;
 
 use plots::{CostSlice, Figure, FigureError, Spoke};
 use scenes::Stage;
-use scenes::tune::report::ParameterReport;
 use scenes::tune::{TERMS, TuneReport};
 
 use crate::tune::{Found, solver_word};
@@ -72,10 +71,6 @@ fn number(x: f64) -> String {
     format!("{x:.4}")
 }
 
-fn unit(p: &ParameterReport) -> &str {
-    p.unit
-}
-
 /// The page.
 ///
 /// # Errors
@@ -88,7 +83,7 @@ pub fn html(report: &TuneReport, figures: &[(&str, Figure)]) -> Result<String, F
             format!(
                 "<tr><td>{}<td>{}<td>{}<td>{}<td>{} to {}<td>{}</tr>\n",
                 p.name,
-                unit(p),
+                p.unit,
                 number(p.was),
                 number(p.is),
                 p.from,
@@ -101,8 +96,9 @@ pub fn html(report: &TuneReport, figures: &[(&str, Figure)]) -> Result<String, F
         .iter()
         .map(|(_, figure)| Ok(format!("<figure>{}</figure>\n", figure.svg()?)))
         .collect::<Result<String, FigureError>>()?;
-    let verdict = verdict(report);
-    let scene = report.scene.replace('&', "&amp;").replace('<', "&lt;");
+    let escape = |text: &str| text.replace('&', "&amp;").replace('<', "&lt;");
+    let verdict = escape(&verdict(report));
+    let scene = escape(&report.scene);
     Ok(format!(
         "<!doctype html>
 <html lang=en><meta charset=utf-8><meta name=viewport content=\"width=device-width\">
@@ -132,24 +128,21 @@ fn verdict(report: &TuneReport) -> String {
     let (a, b) = (report.before.cost, report.after.cost);
     let better = if b < a { "lower" } else { "not lower" };
     let mut text = format!("The cost is {better}: {a:.4} before, {b:.4} after.");
-    match &report.push_map {
-        Some(map) => match (map.mean_ratio_after, map.after_over_before) {
-            (Some(after), Some(part)) => {
-                text += &format!(
-                    " Pushes survived: {:.1} % of the limit before, {:.1} % after ({:.1} % of before).",
-                    100.0 * map.mean_ratio_before,
-                    100.0 * after,
-                    100.0 * part
-                );
-            }
-            _ => text += " After it the body does not stand by itself.",
-        },
-        None => {
-            text += &format!(
-                " Runs survived: {} and {} of {}.",
-                report.before.survived, report.after.survived, report.runs
-            );
-        }
+    if let Some(map) = &report.push_map
+        && let (Some(after), Some(part)) = (map.mean_ratio_after, map.after_over_before)
+    {
+        text += &format!(
+            " Pushes survived: {:.1} % of the limit before, {:.1} % after ({:.1} % of before).",
+            100.0 * map.mean_ratio_before,
+            100.0 * after,
+            100.0 * part
+        );
+        return text;
+    }
+    let (a, b) = (report.before.survived, report.after.survived);
+    text += &format!(" Runs survived: {a} before and {b} after, of {}.", report.runs);
+    if let Some(why) = &report.push_map_missing {
+        text += &format!(" No push map {why}.");
     }
     text
 }
@@ -166,7 +159,7 @@ pub fn summary(report: &TuneReport, dir: &Path) -> String {
             number(p.is),
             p.from,
             p.to,
-            unit(p)
+            p.unit
         );
     }
     text += "\n  term                    before      after\n";

@@ -35,6 +35,8 @@ pub struct TuneReport {
     pub parameters: Vec<ParameterReport>,
     /// The full push map before and after; null where none was asked for or a body does not stand.
     pub push_map: Option<MapReport>,
+    /// Why there is no push map, or none after; null where there is.
+    pub push_map_missing: Option<String>,
     /// Files written, by what they hold; paths relative to the report.
     pub files: BTreeMap<String, String>,
 }
@@ -142,6 +144,7 @@ impl TuneReport {
             after: CostReport::of(after),
             parameters: parameters.iter().enumerate().map(change).collect(),
             push_map: None,
+            push_map_missing: None,
             files: BTreeMap::new(),
         }
     }
