@@ -8,6 +8,7 @@ use motion::smooth::Smoothing;
 use scenes::StudyOptions;
 use scenes::overrides::{Overrides, RATES, RootChoice, SUBSTEPS, TENSIONS};
 use scenes::push::PushSettings;
+use scenes::{Patch, SceneError};
 
 /// Motion performed by a body with mass, muscles and contacts.
 #[derive(Debug, Parser)]
@@ -27,9 +28,12 @@ Examples:
   contrapposto plot out/bow --what contact    ground forces required, given, measured
   contrapposto crosscheck scenes/bow.ron      every force, ours and MuJoCo's
   contrapposto push scenes/stand.ron          how hard it can be pushed without falling
+  contrapposto tune scenes/stand.ron          choose tension and balance by a search
   contrapposto convert walk.bvh walk.glb      change the format only
 
 Exit codes: 0 done (also when the body fell), 1 the run failed, 2 something is wrong with the input.";
+
+pub use crate::tune_args::TuneArgs;
 
 /// What to do.
 #[derive(Debug, Subcommand)]
@@ -46,6 +50,8 @@ pub enum Command {
     Crosscheck(CrosscheckArgs),
     /// Say how hard a standing body can be pushed, in every direction
     Push(PushArgs),
+    /// Choose tension and balance parameters by a search over a cost the scene declares
+    Tune(TuneArgs),
     /// Write a clip, the kinematic motion of a scene, or a body in another format
     Convert(ConvertArgs),
 }
@@ -111,6 +117,9 @@ pub struct RenderArgs {
     /// assisted:FORCE_N,MOMENT_NM [default: the scene's; pinned for a clip]
     #[arg(long, value_name = "ROOT")]
     pub root: Option<RootChoice>,
+    /// Patch of tension and balance, as `tune` writes it
+    #[arg(long, value_name = "FILE.ron")]
+    pub patch: Option<PathBuf>,
     /// Leave out the edits of the scene
     #[arg(long)]
     pub no_edits: bool,
@@ -162,8 +171,17 @@ Same input, same bytes; only `realtime_factor` in report.json is of the clock.";
 
 impl RenderArgs {
     /// Numbers of the dynamic pass that differ from the file's.
-    pub fn overrides(&self) -> Overrides {
-        Overrides { root: self.root, tension: self.tension, rate_hz: self.rate, substeps: self.substeps }
+    ///
+    /// # Errors
+    /// A patch that makes no sense.
+    pub fn overrides(&self) -> Result<Overrides, SceneError> {
+        Ok(Overrides {
+            patch: patch(self.patch.as_deref())?,
+            root: self.root,
+            tension: self.tension,
+            rate_hz: self.rate,
+            substeps: self.substeps,
+        })
     }
 }
 
@@ -212,6 +230,9 @@ pub struct CrosscheckArgs {
     /// Seed of the random states
     #[arg(long, value_name = "N", default_value_t = 1)]
     pub seed: u64,
+    /// Patch of tension and balance, as `tune` writes it
+    #[arg(long, value_name = "FILE.ron")]
+    pub patch: Option<PathBuf>,
     /// Random states only: neither motion nor contact
     #[arg(long)]
     pub states_only: bool,
@@ -299,6 +320,9 @@ pub struct PushArgs {
     /// [default: out/NAME-push]
     #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,
+    /// Patch of tension and balance, as `tune` writes it
+    #[arg(long, value_name = "FILE.ron")]
+    pub patch: Option<PathBuf>,
     /// Factor on the tension of all muscles [default: the scene's]
     #[arg(long, value_name = "FACTOR", value_parser = tension, allow_negative_numbers = true)]
     pub tension: Option<f64>,
@@ -340,8 +364,17 @@ Exit codes: 0 done, 1 the body does not stand or the run failed, 2 something is 
 
 impl PushArgs {
     /// Numbers of the dynamic pass that differ from the file's.
-    pub fn overrides(&self) -> Overrides {
-        Overrides { root: None, tension: self.tension, rate_hz: self.rate, substeps: self.substeps }
+    ///
+    /// # Errors
+    /// A patch that makes no sense.
+    pub fn overrides(&self) -> Result<Overrides, SceneError> {
+        Ok(Overrides {
+            patch: patch(self.patch.as_deref())?,
+            root: None,
+            tension: self.tension,
+            rate_hz: self.rate,
+            substeps: self.substeps,
+        })
     }
 
     /// The same as the map takes it.
@@ -576,6 +609,14 @@ Files written into DIR:
   plots/              figures, each as .svg and .png
 
 Same input, same bytes.";
+
+/// The patch of a file, if one is given.
+///
+/// # Errors
+/// A patch that makes no sense.
+pub fn patch(path: Option<&std::path::Path>) -> Result<Option<Patch>, SceneError> {
+    path.map(Patch::read).transpose()
+}
 
 fn friction(text: &str) -> Result<f64, String> {
     number(text, 0.0, 10.0, "")

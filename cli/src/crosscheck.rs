@@ -33,6 +33,7 @@ pub fn run(args: &CrosscheckArgs) -> Result<(), Failure> {
         inject: args.inject.clone(),
         states_only: args.states_only,
         push_map: args.push_map.then(|| args.settings()),
+        patch: crate::args::patch(args.patch.as_deref()).map_err(Failure::input)?,
     };
     let mut part = "";
     let done = crosscheck::run(&args.input, &options, &mut |event| match event {

@@ -16,6 +16,8 @@
 //! | [`drawing`] | the figures of `plot` and `analyze` |
 //! | [`mod@crosscheck`] | forces against MuJoCo |
 //! | [`push`] | how hard a standing body can be pushed |
+//! | [`tune`], [`tune_args`], [`tune_page`] | tension and balance chosen by a search |
+//! | [`sweep`] | the same over a grid, in parts |
 //! | [`convert`] | one format to another |
 //! | [`output`] | all files or none |
 //! | [`progress`] | the bar |
@@ -36,6 +38,10 @@ mod progress;
 mod push;
 mod render;
 mod summary;
+mod sweep;
+mod tune;
+mod tune_args;
+mod tune_page;
 
 use std::process::ExitCode;
 
@@ -51,6 +57,7 @@ fn main() -> ExitCode {
         Command::Analyze(args) => analyze::run(&args),
         Command::Crosscheck(args) => crosscheck::run(&args),
         Command::Push(args) => push::run(&args),
+        Command::Tune(args) => tune::run(&args),
         Command::Convert(args) => convert::run(&args),
     };
     match done {

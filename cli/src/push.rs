@@ -22,8 +22,13 @@ const FIGURE: &str = "push";
 /// Bad input, a body that does not stand, files that cannot be written.
 pub fn run(args: &PushArgs) -> Result<(), Failure> {
     let mut progress = Progress::new();
-    let stage = scenes::open_with(&args.input, None, &ImportOptions::default(), &args.overrides())
-        .map_err(Failure::input)?;
+    let stage = scenes::open_with(
+        &args.input,
+        None,
+        &ImportOptions::default(),
+        &args.overrides().map_err(Failure::input)?,
+    )
+    .map_err(Failure::input)?;
     let dir = args.out.clone().unwrap_or_else(|| Path::new("out").join(format!("{}-push", stage.name)));
     Output::check(&dir)?;
     progress.part("pushing");

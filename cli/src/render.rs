@@ -21,7 +21,8 @@ pub fn run(args: &RenderArgs) -> Result<(), Failure> {
     let mut progress = Progress::new();
     check(args)?;
     progress.part("staging");
-    let stage = scenes::open_with(&args.input, args.body.as_deref(), &args.clip.import(), &args.overrides())
+    let overrides = args.overrides().map_err(Failure::input)?;
+    let stage = scenes::open_with(&args.input, args.body.as_deref(), &args.clip.import(), &overrides)
         .map_err(Failure::input)?;
     let stage = if args.no_edits { stage.without_edits() } else { stage };
     let dir = args.out.clone().unwrap_or_else(|| Path::new("out").join(&stage.name));

@@ -20,3 +20,5 @@ mod push;
 mod render;
 #[path = "cli/report.rs"]
 mod report;
+#[path = "cli/tune.rs"]
+mod tune;

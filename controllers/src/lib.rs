@@ -14,6 +14,7 @@
 //! | [`reactive`] | the trait of properties that read the state every step |
 //! | [`gaze`] | one that keeps the eyes on a point |
 //! | [`assist`] | a root wrench with a hard budget |
+//! | [`parameters`] | what may be tuned: names, units, ranges, consequences |
 //! | [`controller`] | all of them, step by step |
 
 pub mod antagonist;
@@ -23,6 +24,7 @@ pub mod controller;
 pub mod drive;
 pub mod gaze;
 pub mod goal;
+pub mod parameters;
 pub mod posture;
 pub mod reactive;
 pub mod stops;
@@ -37,5 +39,6 @@ pub use drive::{Drive, Rest, rest_of};
 pub use gaze::{Gaze, GazeError, GazeSettings, Sight};
 pub use goal::Goal;
 pub use reactive::{Moment, Reactive};
+pub use parameters::{PARAMETERS, Parameter, Tunable, parameter};
 pub use tension::{Need, StanceLeg, TensionScale};
 pub use transition::GainBlend;

@@ -19,6 +19,7 @@ use dynamics::mjcf::{self, MjcfError, MjcfOptions};
 use dynamics::mujoco_layout::Layout;
 use dynamics::{Character, Model, RootMode};
 use motion::{Quat, Vec3};
+use scenes::Patch;
 use scenes::overrides::{Overrides, RootChoice};
 use scenes::push::PushSettings;
 use scenes::{Stage, StageError};
@@ -50,6 +51,8 @@ pub struct Options {
     pub states_only: bool,
     /// Compare the push-recovery maps of both engines too.
     pub push_map: Option<PushSettings>,
+    /// Patch of tension and balance, for a scene.
+    pub patch: Option<Patch>,
 }
 
 impl Default for Options {
@@ -60,6 +63,7 @@ impl Default for Options {
             dynamics_only: false,
             against: None,
             inject: Vec::new(),
+            patch: None,
             states_only: false,
             push_map: None,
         }
@@ -303,15 +307,15 @@ fn open(path: &Path, options: &Options) -> Result<Subject, CrossCheckError> {
         }
         Some("ron") => match scenes::character_in(path).map_err(StageError::from)? {
             Some(character) => Ok(Subject::Character(character)),
-            None => Ok(Subject::Stage(Box::new(stage_of(path, None)?))),
+            None => Ok(Subject::Stage(Box::new(stage_of(path, None, options)?))),
         },
-        Some("bvh") => Ok(Subject::Stage(Box::new(stage_of(path, None)?))),
+        Some("bvh") => Ok(Subject::Stage(Box::new(stage_of(path, None, options)?))),
         _ => Err(CrossCheckError::Kind(path.display().to_string())),
     }
 }
 
-fn stage_of(path: &Path, root: Option<RootChoice>) -> Result<Stage, StageError> {
-    let overrides = Overrides { root, ..Overrides::default() };
+fn stage_of(path: &Path, root: Option<RootChoice>, options: &Options) -> Result<Stage, StageError> {
+    let overrides = Overrides { patch: options.patch.clone(), root, ..Overrides::default() };
     scenes::open_with(path, None, &Default::default(), &overrides)
 }
 
@@ -363,7 +367,7 @@ fn engines(
         return Ok(());
     }
     let free = matches!(stage.character.skeleton.links()[0].joint, motion::Joint::Free);
-    let pinned = if free { stage_of(path, Some(RootChoice::Pinned))? } else { stage.clone() };
+    let pinned = if free { stage_of(path, Some(RootChoice::Pinned), options)? } else { stage.clone() };
     say(Event::Part("motion without contact", 0.0));
     let forward = forward::compare(bridge, &pinned, &mut |x| say(Event::Part("motion without contact", x)))?;
     out.checks.extend(forward.checks.clone());

@@ -19,6 +19,7 @@
 //! | [`torque`] | torques of the joints that work hardest, over their noise |
 //! | [`energy`] | energies, and the power of the joints |
 //! | [`polar`] | push-recovery maps: impulse survived per direction, against the limit |
+//! | [`tuning`] | what a search did: costs, slices, before and after |
 //! | [`excerpt`] | a span of a trace, chosen joints |
 //! | [`camera`], [`solid`] | who looks at them, and how shapes become polygons |
 //! | [`panel`] | axes, curves, legends, pages of small multiples |
@@ -46,6 +47,7 @@ pub mod solid;
 pub mod strip;
 pub mod style;
 pub mod torque;
+pub mod tuning;
 
 pub use angles::joint_angles;
 pub use balance::center_of_mass;
@@ -58,7 +60,8 @@ pub use gains::gains_and_torques;
 pub use graded::graded_residual;
 pub use momentum::momenta;
 pub use overlay::{Witness, WitnessKind, contact_overlay};
-pub use polar::{Spoke, push_map};
+pub use polar::{Spoke, push_map, push_map_over};
 pub use residual::momentum_residual;
 pub use strip::{StripOptions, StripRow, film_strip, film_strip_with};
 pub use torque::joint_torques;
+pub use tuning::{CostSlice, TermPair, convergence, cost_slices, terms_before_after};

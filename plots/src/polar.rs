@@ -31,17 +31,26 @@ const NAMES: [(f64, &str); 4] = [(0.0, "forward"), (90.0, "left"), (180.0, "back
 
 /// Draws a map; `note` stands under the title.
 pub fn push_map(spokes: &[Spoke], note: &str) -> Figure {
-    let keys = [
+    push_map_over(spokes, &[], note)
+}
+
+/// Draws a map over an earlier one of the same directions: `before` is what was survived then, N·s.
+pub fn push_map_over(spokes: &[Spoke], before: &[f64], note: &str) -> Figure {
+    let mut keys = vec![
         Key::line("survived", style::BLUE),
         Key::dashed("limit of moving the centre of pressure alone", style::VERMILION),
     ];
+    if !before.is_empty() {
+        keys.insert(1, Key::line("survived before", style::REFERENCE));
+    }
     let title = "Largest push survived without a step, N·s";
     let top = header(&mut Figure::new(WIDTH, 100.0), title, note, &keys);
     let middle = [WIDTH / 2.0, top + OUT[1] + LABEL + RADIUS];
     let mut figure = Figure::new(WIDTH, middle[1] + RADIUS + OUT[1] + LABEL + 0.6 * MARGIN);
     header(&mut figure, title, note, &keys);
 
-    let values = spokes.iter().flat_map(|s| [s.survived, s.limit]).filter(|x| x.is_finite());
+    let values = spokes.iter().flat_map(|s| [s.survived, s.limit]).chain(before.iter().copied());
+    let values = values.filter(|x| x.is_finite());
     let most = values.fold(0.0, f64::max);
     let most = if most > 0.0 { most } else { 1.0 };
     let ring = step(1.02 * most, 6.0, false);
@@ -68,6 +77,11 @@ pub fn push_map(spokes: &[Spoke], note: &str) -> Figure {
     figure.line(round(rings * ring), style::FRAME, THIN);
     for s in spokes {
         figure.line(vec![middle, at(s.deg, RADIUS)], style::GRID, THIN);
+    }
+    if spokes.len() > 2 && before.len() == spokes.len() {
+        let mut points: Vec<Px> = spokes.iter().zip(before).map(|(s, b)| at(s.deg, b * scale)).collect();
+        points.extend(points.first().copied());
+        figure.line(points, style::REFERENCE, 2.0);
     }
     if spokes.len() > 2 {
         figure.dashed(&limit, style::VERMILION, style::LINE, [6.0, 4.0]);

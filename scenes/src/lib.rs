@@ -13,8 +13,10 @@
 //! | [`export`] | a body as MJCF |
 //! | [`inspect`] | what is in a file |
 //! | [`overrides`] | numbers of the dynamic pass given beside the file |
+//! | [`patch`] | parameters of tension and balance in a file of their own |
 //! | [`push`] | the push-recovery map of a standing body |
 //! | [`report`] | the numbers of a run |
+//! | [`tune`] | parameters chosen by a search over a cost |
 //! | [`study`] | a trace, clip or scene to be analysed and drawn |
 //! | [`study_report`] | the numbers of an analysis |
 //! | [`character_file`] | characters as RON |
@@ -30,6 +32,7 @@ pub mod error;
 pub mod export;
 pub mod inspect;
 pub mod overrides;
+pub mod patch;
 pub mod push;
 pub mod report;
 pub mod scene;
@@ -38,6 +41,7 @@ pub mod source_map;
 pub mod stage;
 pub mod study;
 pub mod study_report;
+pub mod tune;
 
 pub use angle::Angle;
 pub use dynamics::analysis::Residual;
@@ -46,6 +50,7 @@ pub use dynamics::{analysis_files, ground_forces};
 pub use error::{SceneError, Source};
 pub use inspect::character_in;
 pub use overrides::Overrides;
+pub use patch::Patch;
 pub use report::Report;
 pub use scene::Scene;
 pub use sim::Outcome;

@@ -8,6 +8,7 @@ use std::str::FromStr;
 
 use dynamics::RootMode;
 
+use crate::Patch;
 use crate::scene::Physics;
 
 /// Rates a simulation may run at, Hz.
@@ -63,8 +64,10 @@ impl FromStr for RootChoice {
 }
 
 /// What is to differ from the file; `None` leaves it.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct Overrides {
+    /// Parameters of tension and balance; comes before the factor on the tension.
+    pub patch: Option<Patch>,
     /// What holds the root.
     pub root: Option<RootChoice>,
     /// Factor on the file's tension.
@@ -88,6 +91,9 @@ impl Overrides {
                 let (force_n, moment_nm) = budget.unwrap_or((ASSIST_WEIGHT * weight, ASSIST_MOMENT));
                 physics.root = RootMode::Assisted { force_n, moment_nm };
             }
+        }
+        if let Some(patch) = &self.patch {
+            patch.apply(physics);
         }
         if let Some(factor) = self.tension {
             physics.tension = clamp(physics.tension * factor, TENSIONS);

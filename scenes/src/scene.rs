@@ -7,7 +7,7 @@ use std::collections::BTreeMap;
 use std::path::Path;
 use std::sync::Arc;
 
-use controllers::GainBlend;
+use controllers::{BalanceSettings, GainBlend};
 use dynamics::{Carrying, Character, RootMode};
 use edits::{
     Amount, Amplitude, Direction, Edit, ExtentReach, ExtentShoulder, Parameter, Place, Selector, Succession,
@@ -20,7 +20,8 @@ use sim::{Ground, Push};
 use crate::angle::quat_from_deg;
 use crate::overrides::{RATES, SUBSTEPS, TENSIONS};
 use crate::schema::*;
-use crate::{Angle, SceneError, Source, character_file};
+use crate::tune::TuneSpec;
+use crate::{Angle, Patch, SceneError, Source, character_file};
 
 /// An edit with what it applies to.
 pub struct SceneEdit {
@@ -49,6 +50,8 @@ pub struct Physics {
     pub gravity: Vec3,
     /// The ground, if any.
     pub ground: Option<Ground>,
+    /// Parameters of the balance property.
+    pub balance: BalanceSettings,
 }
 
 /// A checked scene.
@@ -77,6 +80,8 @@ pub struct Scene {
     pub carried: Vec<Carrying>,
     /// How film strips are drawn.
     pub strip: StripRon,
+    /// How it is tuned.
+    pub tune: TuneSpec,
 }
 
 /// Reads a scene and its character.
@@ -102,7 +107,17 @@ pub fn parse(source: Source, name: String) -> Result<Scene, SceneError> {
     }
     let character = Arc::new(character_file::read(&beside)?);
     let check = Check { source: &source, character: &character };
-    let physics = check.physics(&ron)?;
+    let mut physics = check.physics(&ron)?;
+    if let Some(file) = &ron.patch {
+        let beside = source.path().parent().unwrap_or(Path::new("")).join(file);
+        if !beside.is_file() {
+            let message = format!("the patch `{}` does not exist", beside.display());
+            return Err(source.error("patch", message).with_help("the path is relative to the scene file"));
+        }
+        Patch::read(&beside)?.apply(&mut physics);
+    }
+    let scripted = !ron.script.is_empty() || !ron.inserts.is_empty();
+    let tune = TuneSpec::read(ron.tune.as_ref(), scripted, &source)?;
     let (script, edits) = (check.script(&ron)?, check.edits(&ron.edits)?);
     let planted = check.planted(ron.planted.as_deref())?;
     let pushes = check.pushes(&ron.pushes)?;
@@ -123,6 +138,7 @@ pub fn parse(source: Source, name: String) -> Result<Scene, SceneError> {
         pushes,
         carried,
         strip: ron.strip,
+        tune,
         character,
         source,
     })
@@ -191,6 +207,7 @@ impl Check<'_> {
             root,
             gravity: self.vec3("world.gravity_m_s2", ron.world.gravity_m_s2)?,
             ground,
+            balance: BalanceSettings::default(),
         })
     }
 

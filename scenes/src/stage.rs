@@ -28,6 +28,7 @@ use sim::{Ground, Pass, PassError, Push};
 use crate::overrides::Overrides;
 use crate::scene::{self, Physics, Scene};
 use crate::schema::StripRon;
+use crate::tune::TuneSpec;
 use crate::{SceneError, character_file};
 
 /// Why nothing can be staged.
@@ -131,6 +132,8 @@ pub struct Stage {
     pub carried: Vec<Carrying>,
     /// How film strips are drawn.
     pub strip: StripRon,
+    /// How it is tuned.
+    pub tune: TuneSpec,
     /// The clip behind it; `None` for a scene.
     pub clip: Option<ClipSource>,
     /// Fraction of the frames that joint limits changed.
@@ -244,6 +247,7 @@ pub fn stage_scene(scene: Scene) -> Result<Stage, SceneError> {
         pushes: scene.pushes.clone(),
         carried: scene.carried.clone(),
         strip: scene.strip,
+        tune: scene.tune.clone(),
         clip: None,
         clamped,
         character,
@@ -371,10 +375,12 @@ fn stage_clip(path: &Path, body: Option<&Path>, import: &ImportOptions) -> Resul
             root: RootMode::Pinned,
             gravity: Vec3::new(0.0, -9.81, 0.0),
             ground: floor.map(|height_m| Ground::level(height_m, 0.8)),
+            balance: BalanceSettings::default(),
         },
         pushes: Vec::new(),
         carried: Vec::new(),
         strip: StripRon::default(),
+        tune: TuneSpec { own_run: true, pushes: Vec::new(), ..TuneSpec::default() },
         clamped: clamped as f64 / kinematic.frames() as f64,
         kinematic,
         clip: Some(ClipSource { clip, map, import: report, body: guess }),
@@ -437,7 +443,7 @@ impl Stage {
                 tension: p.tension,
                 plants: if held { Vec::new() } else { self.plants.clone() },
                 ground_m: if held { None } else { p.ground.map(|g| g.height_m) },
-                balance: BalanceSettings::default(),
+                balance: p.balance,
                 blend: p.blend,
                 reactive: Vec::new(),
             },

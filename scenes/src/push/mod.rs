@@ -475,7 +475,7 @@ const STEP: f64 = 1.25;
 const MOST: f64 = 30.0;
 
 /// The same stage, its last pose held until `end_s` if it ends before.
-fn held_until(stage: &Stage, end_s: f64) -> Stage {
+pub(crate) fn held_until(stage: &Stage, end_s: f64) -> Stage {
     let mut stage = stage.clone();
     let clip = &stage.kinematic;
     let missing = ((end_s * clip.rate_hz).ceil() as usize + 1).saturating_sub(clip.frames());
@@ -492,12 +492,12 @@ fn held_until(stage: &Stage, end_s: f64) -> Stage {
 }
 
 /// Middle of a sole, m.
-fn middle(corners: &[(usize, Vec3)], k: &Kinematics) -> Vec3 {
+pub(crate) fn middle(corners: &[(usize, Vec3)], k: &Kinematics) -> Vec3 {
     corners.iter().map(|(link, at)| k.point(*link, at)).sum::<Vec3>() / corners.len() as f64
 }
 
 /// The link of the trunk (no limb, nothing a limb carries) whose own centre of mass lies nearest to `com`.
-fn carrier(character: &Character, k: &Kinematics, com: &Vec3) -> usize {
+pub(crate) fn carrier(character: &Character, k: &Kinematics, com: &Vec3) -> usize {
     let skeleton = &character.skeleton;
     let links = skeleton.links();
     let in_limb = |link: usize| {
