@@ -184,6 +184,16 @@ fn performed(out: &mut String, d: &DynamicReport) -> std::fmt::Result {
         }
         line(out, "", text)?;
     }
+    for g in &d.gazes {
+        let [x, y, z] = g.at_m;
+        let missed = match (g.rms_deg, g.peak_deg, g.peak_at_s) {
+            (Some(rms), Some(peak), Some(at)) => {
+                format!("misses by {rms:.2}° RMS, {peak:.2}° at most, at {at:.2} s")
+            }
+            _ => "never got there".into(),
+        };
+        line(out, "gaze", format!("at ({}, {}, {}) m: {missed}", number(x), number(y), number(z)))?;
+    }
     line(
         out,
         "simulation",

@@ -181,6 +181,16 @@ impl Gaze {
         })
     }
 
+    /// What it looks at, when.
+    pub fn settings(&self) -> &GazeSettings {
+        &self.settings
+    }
+
+    /// Its line of sight.
+    pub fn sight(&self) -> &Sight {
+        &self.sight
+    }
+
     /// How much of the gaze acts at `t` seconds: 0 to 1, smooth.
     pub fn weight(&self, t: f64) -> f64 {
         let s = &self.settings;

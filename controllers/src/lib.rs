@@ -38,7 +38,7 @@ pub use controller::{Controller, LegTension, Sagging, Setup};
 pub use drive::{Drive, Rest, rest_of};
 pub use gaze::{Gaze, GazeError, GazeSettings, Sight};
 pub use goal::Goal;
-pub use reactive::{Moment, Reactive};
 pub use parameters::{PARAMETERS, Parameter, Tunable, parameter};
+pub use reactive::{Moment, Reactive};
 pub use tension::{Need, StanceLeg, TensionScale};
 pub use transition::GainBlend;

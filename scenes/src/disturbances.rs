@@ -31,7 +31,7 @@ impl Check<'_> {
             .collect()
     }
 
-    fn link(&self, at: &str, name: &str, within: &str) -> Result<usize, SceneError> {
+    pub(crate) fn link(&self, at: &str, name: &str, within: &str) -> Result<usize, SceneError> {
         let skeleton = &self.character.skeleton;
         skeleton.link(name).ok_or_else(|| {
             let known = skeleton.links().iter().map(|l| l.name.as_str());

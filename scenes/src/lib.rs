@@ -34,6 +34,7 @@ pub mod inspect;
 pub mod overrides;
 pub mod patch;
 pub mod push;
+pub mod reactive;
 pub mod report;
 pub mod scene;
 pub mod schema;

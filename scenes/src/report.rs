@@ -13,6 +13,7 @@ use sim::Outcome;
 
 use crate::Stage;
 use crate::disturbance_report::{DisturbanceReport, FallReport, LegTensionReport};
+use crate::reactive::GazeReport;
 use crate::stage::ClipSource;
 
 /// All numbers of a run.
@@ -176,6 +177,8 @@ pub struct DynamicReport {
     /// Joints of stance legs whose tension is not what was asked: raised because less does not stand, or lowered
     /// because the soles cannot pass on more.
     pub leg_tension: Vec<LegTensionReport>,
+    /// How far the eyes missed what they were to look at.
+    pub gazes: Vec<GazeReport>,
 }
 
 /// Stiffness of one joint.
@@ -358,6 +361,7 @@ fn dynamic(stage: &Stage, o: &Outcome) -> DynamicReport {
                 used_nm_rad: l.used * l.natural,
             })
             .collect(),
+        gazes: GazeReport::of(&stage.gazes, t),
     }
 }
 

@@ -7,7 +7,7 @@ use std::collections::BTreeMap;
 use std::path::Path;
 use std::sync::Arc;
 
-use controllers::{BalanceSettings, GainBlend};
+use controllers::{BalanceSettings, GainBlend, Gaze};
 use dynamics::{Carrying, Character, RootMode};
 use edits::{
     Amount, Amplitude, Direction, Edit, ExtentReach, ExtentShoulder, Parameter, Place, Selector, Succession,
@@ -76,6 +76,8 @@ pub struct Scene {
     pub physics: Physics,
     /// Pushes from outside.
     pub pushes: Vec<Push>,
+    /// Gazes: reactive properties beside the balance.
+    pub gazes: Vec<Gaze>,
     /// Masses carried.
     pub carried: Vec<Carrying>,
     /// How film strips are drawn.
@@ -122,6 +124,7 @@ pub fn parse(source: Source, name: String) -> Result<Scene, SceneError> {
     let planted = check.planted(ron.planted.as_deref())?;
     let pushes = check.pushes(&ron.pushes)?;
     let carried = check.carried(&ron.carried)?;
+    let gazes = check.gazes(&ron.reactive)?;
     let rate_hz = check.within("rate_hz", ron.rate_hz, 1.0, 1000.0, "Hz")?;
     let settle_s = check.within("settle_s", ron.settle_s, 0.0, 3600.0, "s")?;
     if ron.strip.figures < 2 || ron.strip.figures > 40 {
@@ -137,6 +140,7 @@ pub fn parse(source: Source, name: String) -> Result<Scene, SceneError> {
         physics,
         pushes,
         carried,
+        gazes,
         strip: ron.strip,
         tune,
         character,

@@ -52,6 +52,9 @@ pub struct SceneRon {
     /// Masses carried.
     #[serde(default)]
     pub carried: Vec<CarriedRon>,
+    /// Reactive properties beside the balance.
+    #[serde(default)]
+    pub reactive: Vec<ReactiveRon>,
     /// Points of view and captions for the film strips.
     #[serde(default)]
     pub strip: StripRon,
@@ -378,6 +381,37 @@ pub enum RootRon {
     },
     /// The root follows the kinematic path.
     Pinned,
+}
+
+/// A reactive property.
+#[derive(Clone, Debug, Deserialize)]
+#[serde(deny_unknown_fields, rename = "reactive")]
+pub enum ReactiveRon {
+    /// Eyes on a point.
+    Gaze {
+        /// The point, world, m.
+        at_m: (f64, f64, f64),
+        /// When the gaze turns there, s.
+        #[serde(default)]
+        from_s: f64,
+        /// When it turns away, s; by default never.
+        to_s: Option<f64>,
+        /// How long it takes to turn, s.
+        #[serde(default = "gaze_blend")]
+        blend_s: f64,
+        /// The site it looks from.
+        #[serde(default = "gaze_eyes")]
+        eyes: String,
+        /// Balls that turn it; by default those of the neck.
+        joints: Option<Vec<String>>,
+    },
+}
+
+fn gaze_blend() -> f64 {
+    0.5
+}
+fn gaze_eyes() -> String {
+    "eyes".into()
 }
 
 /// What transitions interpolate.

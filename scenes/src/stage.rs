@@ -12,7 +12,7 @@
 use std::path::Path;
 use std::sync::Arc;
 
-use controllers::{BalanceSettings, Goal, Setup, posture};
+use controllers::{BalanceSettings, Gaze, Goal, Reactive, Setup, posture};
 use dynamics::anthropometry::{BodyOptions, BodyReport, GuessError, guess_body_of_clip};
 use dynamics::pose_map::{PoseMap, PoseMapError};
 use dynamics::{Carrying, Character, Model, RootMode, State};
@@ -128,6 +128,8 @@ pub struct Stage {
     pub physics: Physics,
     /// Pushes from outside.
     pub pushes: Vec<Push>,
+    /// Gazes: reactive properties beside the balance.
+    pub gazes: Vec<Gaze>,
     /// Masses carried.
     pub carried: Vec<Carrying>,
     /// How film strips are drawn.
@@ -246,6 +248,7 @@ pub fn stage_scene(scene: Scene) -> Result<Stage, SceneError> {
         physics: scene.physics,
         pushes: scene.pushes.clone(),
         carried: scene.carried.clone(),
+        gazes: scene.gazes.clone(),
         strip: scene.strip,
         tune: scene.tune.clone(),
         clip: None,
@@ -379,6 +382,7 @@ fn stage_clip(path: &Path, body: Option<&Path>, import: &ImportOptions) -> Resul
         },
         pushes: Vec::new(),
         carried: Vec::new(),
+        gazes: Vec::new(),
         strip: StripRon::default(),
         tune: TuneSpec { own_run: true, pushes: Vec::new(), ..TuneSpec::default() },
         clamped: clamped as f64 / kinematic.frames() as f64,
@@ -445,7 +449,7 @@ impl Stage {
                 ground_m: if held { None } else { p.ground.map(|g| g.height_m) },
                 balance: p.balance,
                 blend: p.blend,
-                reactive: Vec::new(),
+                reactive: self.gazes.iter().map(|g| Box::new(g.clone()) as Box<dyn Reactive>).collect(),
             },
             substeps: p.substeps,
             root: p.root,

@@ -141,6 +141,18 @@ fn disturbances_that_cannot_be() {
     ] {
         with(&field, &[words[0], words[1]]);
     }
+    let gaze = |rest: &str| format!("reactive: [Gaze(at_m: (0, 1, 3), {rest})]");
+    for (field, words) in [
+        (gaze("eyes: \"nose\""), ["no site `nose`", "sites: "]),
+        (gaze("joints: [\"nek\"]"), ["unknown link `nek`", "did you mean `neck`"]),
+        (gaze("joints: [\"elbow_l\"]"), ["`elbow_l`", "ball"]),
+        (gaze("joints: [\"shoulder_l\"]"), ["`shoulder_l`", "does not carry site `eyes`"]),
+        (gaze("joints: []"), ["no joints", "scene.ron:"]),
+        (gaze("from_s: 2, to_s: 1"), ["to_s is 1 s", "later than from_s"]),
+        (gaze("blend_s: -1"), ["blend_s is -1 s", "0 to 60"]),
+    ] {
+        with(&field, &[words[0], words[1]]);
+    }
     for (tilt, words) in [
         ("tilt_deg: 45", ["tilt_deg is 45 °", "allowed: 0 to 30"]),
         ("tilt_deg: 5, towards_deg: 999", ["towards_deg is 999 °", "-360 to 360"]),
