@@ -15,7 +15,7 @@ use crate::likelihood::{median_squared, squared_distances};
 use crate::pairs::{Pairs, Space};
 
 /// Default κ.
-pub const KAPPA: f64 = 0.01;
+pub const KAPPA: f64 = 0.1;
 
 /// Pairs of directions in two spaces, the most correlated first.
 #[derive(Clone, Debug, PartialEq)]

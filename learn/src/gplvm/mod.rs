@@ -272,7 +272,6 @@ impl SharedGplvm {
         let Some(search) = scratch.search.as_deref_mut() else { unreachable!("made above") };
         matvec(&self.basis, &scratch.input, &mut search.pose);
         search.beyond = (dot(&scratch.input, &scratch.input) - dot(&search.pose, &search.pose)).max(0.0);
-        search.reach = std::env::var("REACH").map_or(0.5, |v| v.parse().unwrap()) * (dot(&self.latents, &self.latents) / n as f64).sqrt();
         let lambda = if self.options.prior_in_mapping { 1.0 } else { 0.0 };
         let leap = search.run(&self.input, &self.latents, nearest, lambda);
         scratch.jump = leap.map(|l| Jump { lengths: l.lengths, gain: l.gain, key: nearest });
