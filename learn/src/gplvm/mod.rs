@@ -376,7 +376,3 @@ fn principal(y: &Space, z: &Space, q: usize) -> Vec<f64> {
     let unit = (n as f64 / values[0]).sqrt();
     rows(&DMatrix::from_fn(n, q, |i, k| basis[(i, k)] * values[k].max(0.0).sqrt() * unit))
 }
-
-#[cfg(test)]
-#[path = "model_tests.rs"]
-mod tests;
