@@ -146,10 +146,9 @@ impl Regressor for PcaLinear {
         for (v, m) in out.mean.iter_mut().zip(&self.output.mean) {
             *v = m + self.output.scale * *v;
         }
-        // Leverage: mean of the scores' squares in units of their variances.
-        scores.iter_mut().zip(&self.precision).for_each(|(s, p)| *s *= *s * p);
-        let leverage = scores.iter().sum::<f64>() / self.components as f64;
-        out.variance = self.output.scale.powi(2) * self.residual * (1.0 + leverage / n).max(1.0);
+        // N − 1 components have no residual and no degree of freedom left: leverage is averaged over them.
+        let leverage: f64 = scores.iter().zip(&self.precision).map(|(s, p)| s * s * p).sum();
+        out.variance = self.output.scale.powi(2) * self.residual * (1.0 + leverage / (n * self.components as f64));
         out.confidence = (1.0 - left).clamp(0.0, 1.0);
         out.novelty = novelty;
         Ok(())

@@ -21,6 +21,9 @@ const REFRESH: usize = 12;
 /// variance is a thousandth of what it is where nothing is known; a longer step can end out there, on a plain where
 /// everything is explained by ignorance.
 const REACH: f64 = 0.4;
+/// Answers closer than this, in kernel lengths, are no jump: every key pose makes a dimple of its own in the variance, some
+/// √(noise/θ1) wide, and a path may fall in and out of it without anyone seeing.
+const VISIBLE: f64 = 0.02;
 /// Expected gain of a further step, in nats, at which a search ends: a step of 10⁻⁵ posterior standard deviations.
 const ENOUGH: f64 = 1e-10;
 
@@ -134,10 +137,10 @@ impl Search {
                 let gain = kept - fresh;
                 let lengths =
                     distance_squared(&self.point, &self.answer).sqrt() * side.kernel.theta2.sqrt();
-                // Less is two ends of one basin.
+                // Less is rounding: two ends of one basin.
                 if gain > 1e-6 {
                     self.answer.copy_from_slice(&self.point);
-                    leap = (lengths > 1e-3).then_some(Leap { lengths, gain });
+                    leap = (lengths > VISIBLE).then_some(Leap { lengths, gain });
                 }
             }
             (None, Some(_)) => self.answer.copy_from_slice(&self.point),
@@ -176,23 +179,26 @@ impl Search {
         let mut value = self.evaluate(side, latents, lambda);
         self.gradient.copy_from_slice(&self.trial_gradient);
         self.curvature(side, latents, lambda);
+        // Steps since the second derivatives were looked at.
+        let mut age = 0;
         let mut steps = 0;
         while steps < STEPS {
-            if steps > 0 && steps % REFRESH == 0 {
-                self.curvature(side, latents, lambda);
-            }
             matvec(&self.h, &self.gradient, &mut self.direction);
             let slope = -dot(&self.gradient, &self.direction);
-            // Also ends when the curvature has lost its sign to rounding, or at NaN.
-            if !(-slope > 2.0 * ENOUGH) {
-                break;
+            // Also when the curvature has lost its sign to rounding.
+            let done = -slope <= 2.0 * ENOUGH;
+            let old = age == REFRESH;
+            let moved = if done || old { None } else { self.line(side, latents, lambda, value, slope) };
+            if age > 0 && moved.is_none() {
+                // What looks like the end by an old curvature need not be one.
+                age = 0;
+                self.curvature(side, latents, lambda);
+                continue;
             }
+            let Some((next, step)) = moved else { break };
+            age += 1;
             steps += 1;
             self.steps += 1;
-            if beside && self.arrived() {
-                return None;
-            }
-            let Some((next, step)) = self.line(side, latents, lambda, value, slope) else { break };
             value = next;
             // s = −step·H g, y = g' − g; H ← H + (1 + yᵀHy/sᵀy) s sᵀ/sᵀy − (H y sᵀ + s yᵀH)/sᵀy.
             for i in 0..q {
@@ -212,6 +218,9 @@ impl Search {
                     axpy(along * s[i] - self.turned[i] / sy, s, row);
                     axpy(-s[i] / sy, &self.turned, row);
                 }
+            }
+            if beside && self.arrived() {
+                return None;
             }
         }
         Some(value)

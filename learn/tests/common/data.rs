@@ -35,9 +35,3 @@ pub fn curved_pairs() -> Pairs {
 pub fn path(frames: usize) -> DMatrix<f64> {
     DMatrix::from_fn(frames, 3, |i, k| 0.7 * (0.05 * i as f64 * (1.0 + 0.3 * k as f64) + k as f64).sin())
 }
-
-/// Root of the mean variance of the columns.
-pub fn spread(m: &DMatrix<f64>) -> f64 {
-    let centred = m - DMatrix::from_element(m.nrows(), 1, 1.0) * m.row_mean();
-    (centred.norm_squared() / m.len() as f64).sqrt()
-}
