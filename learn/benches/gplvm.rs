@@ -1,9 +1,10 @@
-//! Learning a shared GPLVM and mapping frames with it: at most 0.1 s for 52 key poses in 30 dimensions and at least
-//! 1,000 frames/s are asked for, and half of GPy's time.
+//! Learning a shared GPLVM and mapping frames with it: at most 0.1 s for 52 key poses in 30 dimensions and
+//! at least 1,000 frames/s are asked for, and half of GPy's time.
 //!
-//! `cargo bench -p learn --bench gplvm` times with criterion. With a folder, `cargo bench -p learn --bench gplvm --
-//! DIR`, it writes the data there (`Y.f64`, `Z.f64`: 52 × 120 and 52 × 60, row by row, little-endian) and prints one
-//! JSON line of CPU seconds; `gpy/run.sh` runs that and GPy in turns. Compare only numbers of one such run.
+//! `cargo bench -p learn --bench gplvm` times with criterion. With a folder, `cargo bench -p learn --bench
+//! gplvm -- DIR`, it writes the data there (`Y.f64`, `Z.f64`: 52 × 120 and 52 × 60, row by row,
+//! little-endian) and prints one JSON line of CPU seconds; `gpy/run.sh` runs that and GPy in turns. Compare
+//! only numbers of one such run.
 
 use std::hint::black_box;
 use std::path::Path;
@@ -14,8 +15,8 @@ use nalgebra::DMatrix;
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64;
 
-/// Frames (rows) of ten quasi-periodic signals mixed into `channels`, with some curvature and noise: the recipe of
-/// the project's peer benchmarks.
+/// Frames (rows) of ten quasi-periodic signals mixed into `channels`, with some curvature and noise: the
+/// recipe of the project's peer benchmarks.
 fn motion(frames: usize, channels: usize, seed: u64) -> DMatrix<f64> {
     let mut rng = Pcg64::seed_from_u64(seed);
     let mut normal = move || (0..12).map(|_| rng.random_range(-0.5..0.5)).sum::<f64>();
@@ -62,7 +63,9 @@ fn fit(data: &Data) -> SharedGplvm {
 fn criterion_benches(c: &mut Criterion) {
     for (n, outputs) in [(30, 60), (52, 60), (52, 150), (115, 60)] {
         let data = data(n, outputs);
-        c.bench_function(&format!("learn, {n} key poses, 120 to {outputs}"), |b| b.iter(|| fit(black_box(&data))));
+        c.bench_function(&format!("learn, {n} key poses, 120 to {outputs}"), |b| {
+            b.iter(|| fit(black_box(&data)))
+        });
     }
     let data = data(52, 60);
     for method in Method::ALL {

@@ -1,8 +1,8 @@
-//! The two criteria of [YAH10 §6.2] on a known rule: which latent dimension, how many iterations, which start?
+//! The two criteria of YAH10 §6.2 on a known rule: which latent dimension, how many iterations, which start?
 //!
 //! `cargo run --release -p learn --example criteria`. Thirty key poses of the human-to-lamp rule of
-//! `tests/rule/performance.rs`; errors in degrees RMS at the key poses and over 500 unseen frames, jerk of the latent path over its
-//! extent (1/s³), largest over median latent step, jumps between basins.
+//! `tests/rule/performance.rs`; errors in degrees RMS at the key poses and over 500 unseen frames, jerk of
+//! the latent path over its extent (1/s³), largest over median latent step, jumps between basins.
 
 #[path = "../tests/rule/performance.rs"]
 mod performance;
@@ -17,12 +17,15 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let (unseen, truth) = performance(500, 5);
     let keep = farthest(&y, 30);
     let pairs = Pairs::new(&y.select_rows(&keep), &z.select_rows(&keep))?;
-    println!("| dimension | iterations | start | −ln L start | −ln L end | key poses ° | unseen ° | jerk/extent 1/s³ | worst step | jumps |");
+    println!(
+        "| dimension | iterations | start | −ln L start | −ln L end | key poses ° | unseen ° | jerk/extent 1/s³ | worst step | jumps |"
+    );
     println!("|---|---|---|---|---|---|---|---|---|---|");
     let row = |options: GplvmOptions| -> Result<(), Box<dyn std::error::Error>> {
         let model = SharedGplvm::fit(&pairs, &options)?;
         let mapped = map_frames(&model, &unseen)?;
-        let path = mapped.latents.as_ref().and_then(|l| path_shape(l, 30.0)).ok_or("the path does not move")?;
+        let path =
+            mapped.latents.as_ref().and_then(|l| path_shape(l, 30.0)).ok_or("the path does not move")?;
         let learning = model.learning();
         println!(
             "| {} | {} | {:?} κ {} | {:.0} | {:.0} | {:.2} | {:.2} | {:.0} | {:.1} | {} |",
@@ -52,6 +55,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     for iterations in [35, 70, 150, 300] {
         row(GplvmOptions { iterations, start: Start::Pca, ..GplvmOptions::default() })?;
     }
+    println!("Without the prior in mapping:");
     row(GplvmOptions { prior_in_mapping: false, ..GplvmOptions::default() })?;
     for method in Method::ALL {
         let model = Model::fit(method, &pairs, &GplvmOptions::default())?;

@@ -94,7 +94,8 @@ pub enum Model {
 }
 
 impl Model {
-    /// Fits `method` with its default settings; `gplvm` are those of the shared GPLVM, which the others do not need.
+    /// Fits `method` with its default settings; `gplvm` are those of the shared GPLVM, which the others do
+    /// not need.
     ///
     /// # Errors
     /// Fewer pairs than [`Method::least_pairs`], and what the model itself says.

@@ -1,8 +1,9 @@
 //! Which frames to key next: those the model is least sure of.
 //!
-//! A model's doubt is a covariance of its errors between frames ([`Doubt`]). Frames are named greedily: each one named is
-//! taken for known (its row of the covariance is conditioned on), so that five names are five poses and not five
-//! neighbours. No output is needed for that: the variance of a Gaussian process does not depend on what it observes.
+//! A model's doubt is a covariance of its errors between frames ([`Doubt`]). Frames are named greedily: each
+//! one named is taken for known (its row of the covariance is conditioned on), so that five names are five
+//! poses and not five neighbours. No output is needed for that: the variance of a Gaussian process does not
+//! depend on what it observes.
 
 use nalgebra::DMatrix;
 

@@ -1,4 +1,5 @@
-//! GP regression against scikit-learn 1.9.1: the numbers come from `gp_by_sklearn.py`, which makes the same data.
+//! GP regression against scikit-learn 1.9.1: the numbers come from `gp_by_sklearn.py`, which makes the same
+//! data.
 
 use learn::{GpRegression, Pairs, Prediction, Regressor, Scratch};
 use nalgebra::DMatrix;
@@ -11,10 +12,7 @@ fn data(first: usize, count: usize) -> (DMatrix<f64>, DMatrix<f64>) {
     });
     let z = DMatrix::from_fn(count, 2, |r, k| {
         let i = at(r);
-        let clean = [
-            (2.0 * y[(r, 0)]).sin() + y[(r, 1)] * y[(r, 2)],
-            (-y[(r, 1)]).exp() + 0.5 * y[(r, 0)],
-        ];
+        let clean = [(2.0 * y[(r, 0)]).sin() + y[(r, 1)] * y[(r, 2)], (-y[(r, 1)]).exp() + 0.5 * y[(r, 0)]];
         clean[k] + 0.03 * [(37.7 * i * i).sin(), (91.3 * i * i).cos()][k]
     });
     (y, z)

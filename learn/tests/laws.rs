@@ -74,7 +74,9 @@ fn key_poses_come_back() {
     let (y, z) = curved(&uniform(25, 3, 4));
     let pairs = Pairs::new(&y, &z).unwrap();
     // Seen: gplvm 5e-3, gp 6e-3, nn3 and nn10 0; pca has nine coordinates for 25 pairs.
-    for (method, allowed) in [(Method::Gplvm, 0.02), (Method::Gp, 0.02), (Method::Nn3, 1e-12), (Method::Nn10, 1e-12)] {
+    for (method, allowed) in
+        [(Method::Gplvm, 0.02), (Method::Gp, 0.02), (Method::Nn3, 1e-12), (Method::Nn10, 1e-12)]
+    {
         let error = key_pose_error(&fit(method, &pairs)).unwrap() / spread(&z);
         println!("key poses, {method}: {error:.1e}");
         assert!(error < allowed, "{method}: {error}");
@@ -95,7 +97,10 @@ fn units_do_not_matter() {
             assert!((0.125 * a + 2.0 - b).abs() < 1e-6, "{method}: {a} {b}"); // 1e-9 seen
         }
         assert!((a.variance / 64.0 - b.variance).abs() < 1e-6 * b.variance, "{method}");
-        assert!((a.confidence - b.confidence).abs() < 1e-6 && (a.novelty - b.novelty).abs() < 1e-9, "{method}");
+        assert!(
+            (a.confidence - b.confidence).abs() < 1e-6 && (a.novelty - b.novelty).abs() < 1e-9,
+            "{method}"
+        );
     }
 }
 
@@ -121,7 +126,8 @@ fn models_say_when_they_extrapolate() {
     }
 }
 
-/// The variance is the size of the error: over unseen frames |error|² is within a factor of ten of the variance.
+/// The variance is the size of the error: over unseen frames |error|² is within a factor of ten of the
+/// variance.
 #[test]
 fn variance_is_the_size_of_the_error() {
     let pairs = curved_pairs();
@@ -172,7 +178,8 @@ fn neighbours_do_not_overshoot() {
     }
 }
 
-/// Along a smooth path the warm start changes nothing but the time: frame by frame, the answer is as good as a fresh one's.
+/// Along a smooth path the warm start changes nothing but the time: frame by frame, the answer is as good as
+/// a fresh one's.
 #[test]
 fn a_sequence_gives_what_single_frames_give() {
     let model = SharedGplvm::fit(&curved_pairs(), &GplvmOptions::default()).unwrap();
@@ -192,17 +199,20 @@ fn a_sequence_gives_what_single_frames_give() {
     assert!(worst < 1e-4, "{worst}"); // 2e-6 seen
 }
 
-/// A sequence that leaps to another pose ends where a fresh start does, and not less likely: it left the old basin.
+/// A sequence that leaps to another pose ends where a fresh start does, and not less likely: it left the old
+/// basin.
 #[test]
 fn a_leap_does_not_stay_behind() {
-    let model = SharedGplvm::fit(&curved_pairs(), &GplvmOptions { dimension: Some(3), ..GplvmOptions::default() });
+    let model =
+        SharedGplvm::fit(&curved_pairs(), &GplvmOptions { dimension: Some(3), ..GplvmOptions::default() });
     let model = model.unwrap();
     let frames = curved(&uniform(150, 3, 21)).0;
     let mapped = map_frames(&model, &frames).unwrap();
     let (mut same, jumps) = (0, mapped.jumps.len());
     for i in 0..frames.nrows() {
         let one = predict(&model, &frames.row(i).iter().copied().collect::<Vec<_>>());
-        let apart = one.mean.iter().zip(mapped.means.row(i).iter()).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+        let apart =
+            one.mean.iter().zip(mapped.means.row(i).iter()).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
         same += usize::from(apart < 1e-3);
     }
     println!("{jumps} jumps, {same} of 150 as from a fresh start"); // JUMPS
@@ -233,7 +243,10 @@ fn suggestions_spread() {
         let named = suggest(&fit(method, &curved_pairs()), &frames, 6).unwrap();
         assert_eq!(named.len(), 6);
         for (i, s) in named.iter().enumerate() {
-            assert!(named[..i].iter().all(|t| t.frame != s.frame && t.left >= s.left && t.doubt >= s.doubt), "{method}: {named:?}");
+            assert!(
+                named[..i].iter().all(|t| t.frame != s.frame && t.left >= s.left && t.doubt >= s.doubt),
+                "{method}: {named:?}"
+            );
             for t in &named[..i] {
                 let apart = (frames.row(s.frame) - frames.row(t.frame)).norm();
                 assert!(apart > 0.3, "{method}: {} and {} are {apart} apart", s.frame, t.frame);
@@ -241,7 +254,10 @@ fn suggestions_spread() {
         }
     }
     // More wanted than there are.
-    assert_eq!(suggest(&fit(Method::Gp, &curved_pairs()), &frames.rows(0, 2).into_owned(), 6).unwrap().len(), 2);
+    assert_eq!(
+        suggest(&fit(Method::Gp, &curved_pairs()), &frames.rows(0, 2).into_owned(), 6).unwrap().len(),
+        2
+    );
 }
 
 /// Third derivative of r sin ωt is r ω³ cos ωt; a parabola has none.

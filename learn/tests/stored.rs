@@ -8,8 +8,8 @@ use common::data::{curved, curved_pairs, path, uniform};
 use learn::error::Side;
 use learn::validate::ValidationError;
 use learn::{
-    FitError, GplvmOptions, InputError, KernelCca, Mapper, Method, Model, Nearest, Pairs, SharedGplvm, leave_out,
-    map_frames,
+    FitError, GplvmOptions, InputError, KernelCca, Mapper, Method, Model, Nearest, Pairs, SharedGplvm,
+    leave_out, map_frames,
 };
 use nalgebra::DMatrix;
 
@@ -74,7 +74,10 @@ fn bad_pairs_are_told_with_their_numbers() {
         refused(&y, &z.rows(0, 11).into_owned()).to_string(),
         "12 inputs but 11 outputs: they come in pairs"
     );
-    assert_eq!(refused(&y.rows(0, 1).into_owned(), &z.rows(0, 1).into_owned()), FitError::TooFew { found: 1, least: 2 });
+    assert_eq!(
+        refused(&y.rows(0, 1).into_owned(), &z.rows(0, 1).into_owned()),
+        FitError::TooFew { found: 1, least: 2 }
+    );
     assert_eq!(refused(&with(&y, 7, 2, f64::NAN), &z).to_string(), "input 7, coordinate 2 is NaN");
     let infinite = refused(&y, &with(&z, 3, 5, f64::INFINITY));
     assert_eq!(infinite.to_string(), "output 3, coordinate 5 is inf");
@@ -130,8 +133,8 @@ fn bad_inputs_are_told() {
     assert_eq!(error, ValidationError::Input(InputError::Frame { frame: 40, frames: 25 }));
 }
 
-/// Independent data must not come out correlated; without regularisation it does (the negative control), and data with a
-/// common cause does with it.
+/// Independent data must not come out correlated; without regularisation it does (the negative control), and
+/// data with a common cause does with it.
 #[test]
 fn kernel_cca_does_not_find_what_is_not_there() {
     let (y, z) = (uniform(40, 6, 1), uniform(40, 5, 2));

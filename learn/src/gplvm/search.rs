@@ -1,14 +1,14 @@
-//! Mapping a pose: the latent point that best explains it, [YAH10] (5).
+//! Mapping a pose: the latent point that best explains it, YAH10 (5).
 //!
-//! Minimises F(x) = |y − ȳ(x)|²/(2σ²(x)) + (D/2) ln σ²(x) + (λ/2)|x|² over x, with posterior mean ȳ = Wᵀw and variance
-//! σ² = k(x, x) − |w|² of the input space, w = L⁻¹k(x) (`posterior`); λ is 1 with the prior X ~ N(0, I), 0 without. Poses
-//! are held in the N coordinates of the span of the key poses; what a pose has beyond that span cannot be explained
-//! and is a constant in |y − ȳ|².
+//! Minimises F(x) = |y − ȳ(x)|²/(2σ²(x)) + (D/2) ln σ²(x) + (λ/2)|x|² over x, with posterior mean ȳ = Wᵀw
+//! and variance σ² = k(x, x) − |w|² of the input space, w = L⁻¹k(x) (`posterior`); λ is 1 with the prior X ~
+//! N(0, I), 0 without. Poses are held in the N coordinates of the span of the key poses; what a pose has
+//! beyond that span cannot be explained and is a constant in |y − ȳ|².
 //!
-//! Quasi-Newton steps (BFGS) that start from the inverse of the exact second derivatives and look at them again every few steps:
-//! the curvatures of 30 latent directions differ a thousandfold and change with σ² on the way. Two starts: the
-//! previous answer, and the latent point of the nearest key pose, whose search ends early when it comes to where the first
-//! one ended. No allocation after [`Search::new`].
+//! Quasi-Newton steps (BFGS) that start from the inverse of the exact second derivatives and look at them
+//! again every few steps: the curvatures of 30 latent directions differ a thousandfold and change with σ² on
+//! the way. Two starts: the previous answer, and the latent point of the nearest key pose, whose search ends
+//! early when it comes to where the first one ended. No allocation after [`Search::new`].
 
 use crate::dense::{axpy, cholesky, distance_squared, dot, gram_of_lower, invert_lower, matvec};
 use crate::posterior::Posterior;
@@ -17,14 +17,15 @@ use crate::posterior::Posterior;
 const STEPS: usize = 100;
 /// Steps between two looks at the second derivatives.
 const REFRESH: usize = 12;
-/// Longest step, in units of the RMS distance of the key poses from the origin of the latent space. Near a key pose the
-/// variance is a thousandth of what it is where nothing is known; a longer step can end out there, on a plain where
-/// everything is explained by ignorance.
+/// Longest step, in units of the RMS distance of the key poses from the origin of the latent space. Near a
+/// key pose the variance is a thousandth of what it is where nothing is known; a longer step can end out
+/// there, on a plain where everything is explained by ignorance.
 const REACH: f64 = 0.4;
-/// Answers closer than this, in kernel lengths, are no jump: every key pose makes a dimple of its own in the variance, some
-/// √(noise/θ1) wide, and a path may fall in and out of it without anyone seeing.
+/// Answers closer than this, in kernel lengths, are no jump: every key pose makes a dimple of its own in the
+/// variance, some √(noise/θ1) wide, and a path may fall in and out of it without anyone seeing.
 const VISIBLE: f64 = 0.02;
-/// Expected gain of a further step, in nats, at which a search ends: a step of 10⁻⁵ posterior standard deviations.
+/// Expected gain of a further step, in nats, at which a search ends: a step of 10⁻⁵ posterior standard
+/// deviations.
 const ENOUGH: f64 = 1e-10;
 
 /// Workspace of the mapping of one pose after another.
@@ -116,8 +117,8 @@ impl Search {
         (self.n, self.q, self.pose.len()) == (n, q, rank)
     }
 
-    /// Starts at the previous answer and at key pose `nearest`; keeps the likelier in `answer`. Says if that left the
-    /// previous answer's basin.
+    /// Starts at the previous answer and at key pose `nearest`; keeps the likelier in `answer`. Says if that
+    /// left the previous answer's basin.
     pub fn run(&mut self, side: &Posterior, latents: &[f64], nearest: usize, lambda: f64) -> Option<Leap> {
         let q = self.q;
         self.steps = 0;
@@ -135,8 +136,7 @@ impl Search {
         match (kept, fresh) {
             (Some(kept), Some(fresh)) => {
                 let gain = kept - fresh;
-                let lengths =
-                    distance_squared(&self.point, &self.answer).sqrt() * side.kernel.theta2.sqrt();
+                let lengths = distance_squared(&self.point, &self.answer).sqrt() * side.kernel.theta2.sqrt();
                 // Less is rounding: two ends of one basin.
                 if gain > 1e-6 {
                     self.answer.copy_from_slice(&self.point);

@@ -1,7 +1,7 @@
 //! A known nonlinear map from human angles to the angles of a lamp: ground truth for what is learned.
 //!
-//! The human has twelve joint angles; four of them move freely (trunk bend a, knee bend k, arm raise s, head nod h), the
-//! others follow as in a synergy. With a, k, s, h in rad the lamp's five hinges are
+//! The human has twelve joint angles; four of them move freely (trunk bend a, knee bend k, arm raise s, head
+//! nod h), the others follow as in a synergy. With a, k, s, h in rad the lamp's five hinges are
 //!
 //! base = 0.6 sin 2a + 1.5 k s,  lower = −0.5 k + 1.6 s h,  upper = 1.6 a h + 0.6 sin 2k,
 //! neck = 0.9 sin(a + 1.5 s),  shade = 1.4 h k + 0.5 sin 2h.
@@ -20,7 +20,20 @@ fn free(angle: usize, t: f64, take: u64) -> f64 {
 
 /// Human angles (12) of the free ones.
 fn human([a, k, s, h]: [f64; 4]) -> [f64; 12] {
-    [a, k, s, h, 0.5 * a, 0.5 * a + 0.2 * k, -0.6 * k, 0.4 * k, 0.8 * s, -0.3 * s + 0.1 * a, 0.4 * h, 0.3 * s.sin()]
+    [
+        a,
+        k,
+        s,
+        h,
+        0.5 * a,
+        0.5 * a + 0.2 * k,
+        -0.6 * k,
+        0.4 * k,
+        0.8 * s,
+        -0.3 * s + 0.1 * a,
+        0.4 * h,
+        0.3 * s.sin(),
+    ]
 }
 
 /// The rule.
@@ -43,14 +56,6 @@ pub fn performance(frames: usize, take: u64) -> (DMatrix<f64>, DMatrix<f64>) {
         z.row_mut(i).copy_from_slice(&lamp(at(i)));
     }
     (y, z)
-}
-
-/// R² of the best affine map from human to lamp: 1 − residual/variance over all hinges.
-pub fn linear_r2(y: &DMatrix<f64>, z: &DMatrix<f64>) -> f64 {
-    let design = y.clone().insert_column(y.ncols(), 1.0);
-    let fitted = &design * design.clone().svd(true, true).solve(z, 1e-10).unwrap();
-    let centred = z - DMatrix::from_element(z.nrows(), 1, 1.0) * z.row_mean();
-    1.0 - (z - fitted).norm_squared() / centred.norm_squared()
 }
 
 /// `count` rows, each the farthest from those before; the first is the farthest from the mean.
