@@ -7,7 +7,7 @@
 //! grows without bound as θ3 → 0, so a floor must be under it; and noise below 10⁻³ of the outputs' standard
 //! deviation cannot be told from rounding once K is factored.
 //!
-//! YAH10 Yamane, Ariki, Hodgins. Animating non-humanoid characters with human motion data. SCA 2010.
+//! YAH10: Yamane, Ariki, Hodgins. Animating non-humanoid characters with human motion data. SCA 2010.
 
 use serde::{Deserialize, Serialize};
 

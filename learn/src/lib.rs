@@ -8,7 +8,7 @@
 //! |---|---|
 //! | [`pairs`] | checked pairs |
 //! | [`regressor`] | what every model can do: predict, with variance; the covariance of what it does not know |
-//! | [`gplvm`] | shared Gaussian process latent variable model YAH10 |
+//! | [`gplvm`] | shared Gaussian process latent variable model of YAH10 |
 //! | [`gp`] | Gaussian process regression |
 //! | [`pca`] | principal components and a linear map |
 //! | [`nearest`] | interpolation of nearest neighbours |
@@ -36,7 +36,7 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!
-//! YAH10 Yamane, Ariki, Hodgins. Animating non-humanoid characters with human motion data. SCA 2010.
+//! YAH10: Yamane, Ariki, Hodgins. Animating non-humanoid characters with human motion data. SCA 2010.
 
 mod cover;
 mod dense;

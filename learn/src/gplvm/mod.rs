@@ -1,4 +1,4 @@
-//! Shared Gaussian process latent variable model YAH10 §4: two spaces, one hidden cause.
+//! Shared Gaussian process latent variable model (YAH10 §4): two spaces, one hidden cause.
 //!
 //! Key poses of a human (Y, N × D_Y) and of a character (Z, N × D_Z) are both explained by latent points X
 //! (N × q) through a Gaussian process each, with kernels of their own (`kernel`, (1)). Learning maximises
@@ -14,7 +14,7 @@
 //! | `objective` | the joint likelihood and its gradient |
 //! | `search` | the latent point of a new pose |
 //!
-//! YAH10 Yamane, Ariki, Hodgins. Animating non-humanoid characters with human motion data. SCA 2010.
+//! YAH10: Yamane, Ariki, Hodgins. Animating non-humanoid characters with human motion data. SCA 2010.
 
 use nalgebra::DMatrix;
 use serde::{Deserialize, Serialize};
