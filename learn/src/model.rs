@@ -1,4 +1,7 @@
 //! Any of the five models behind one type: what a command line names and a file stores.
+//!
+//! What is stored is what was learned; everything that follows from it is computed again, the same to the bit. RON
+//! keeps every bit of a number; JSON only with `serde_json`'s `float_roundtrip`.
 
 use std::fmt;
 use std::str::FromStr;

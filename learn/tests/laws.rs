@@ -215,7 +215,7 @@ fn a_leap_does_not_stay_behind() {
             one.mean.iter().zip(mapped.means.row(i).iter()).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
         same += usize::from(apart < 1e-3);
     }
-    println!("{jumps} jumps, {same} of 150 as from a fresh start"); // JUMPS
+    println!("{jumps} jumps, {same} of 150 as from a fresh start"); // 115, 146 seen
     assert!(jumps > 5, "{jumps}");
     assert!(same > 120, "{same}");
     assert!(mapped.jumps.iter().all(|(_, j)| j.gain > 0.0 && j.lengths > 0.0 && j.key < 25));
