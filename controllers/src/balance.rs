@@ -24,11 +24,11 @@ use dynamics::{Model, State};
 use motion::Vec3;
 use motion::ik::IkError;
 use motion::plant::{Plant, plant};
-use motion::rotation::log;
 use motion::skeleton::{quat_at, vec_at};
 use motion::support::{Support, Vec2, ground};
 
 use crate::antagonist::SetPoints;
+use crate::reactive::{AHEAD, Moment, Reactive, rate_between};
 use crate::support::{Foot, clamp_inside, polygon, shared_wrenches, shares};
 use crate::{Drive, Rest, rest_of};
 
@@ -280,15 +280,10 @@ impl Balance {
     }
 }
 
-/// Time by which the pelvis is moved on to find the joint rates of its path, s.
-const AHEAD: f64 = 1e-4;
-
-/// Rate that leads from one rest to another in [`AHEAD`] seconds, zero frame.
-fn rate_between(from: &Rest, to: &Rest) -> Vec3 {
-    match (from, to) {
-        (Rest::Scalar(a), Rest::Scalar(b)) => Vec3::x() * ((b - a) / AHEAD),
-        (Rest::Ball { target: a, .. }, Rest::Ball { target: b, .. }) => log(&(b * a.inverse())) / AHEAD,
-        _ => Vec3::zeros(),
+impl Reactive for Balance {
+    fn react(&mut self, m: &Moment<'_>, drives: &mut [Drive]) -> Result<(), IkError> {
+        let (state, goal) = ((m.q, m.v), (m.goal_q, m.goal_v));
+        self.update(m.model, m.set_points, m.muscles, state, goal, m.lift, m.dt, drives)
     }
 }
 

@@ -20,6 +20,7 @@ use motion::{Dof, Limits, Range, Tracks, Value, Vec3};
 
 use crate::antagonist::SetPoints;
 use crate::balance::{Balance, BalanceSettings, LegMuscle};
+use crate::reactive::{Moment, Reactive};
 use crate::support::{Foot, polygon, wrenches};
 use crate::tension::{Need, StanceLeg, TensionScale, needs};
 use crate::transition::{GainBlend, Transition};
@@ -45,6 +46,8 @@ pub struct Setup {
     pub balance: BalanceSettings,
     /// What transitions interpolate.
     pub blend: GainBlend,
+    /// Reactive properties beside the balance, in the order they act.
+    pub reactive: Vec<Box<dyn Reactive>>,
 }
 
 /// A joint whose muscles are too slack for what they were asked to hold.
@@ -118,6 +121,7 @@ pub struct Controller {
     leg_tension: Vec<LegTension>,
     /// The body with what it is known to carry, from a time (s) on; the first from the beginning.
     models: Vec<(f64, Model)>,
+    reactive: Vec<Box<dyn Reactive>>,
     feet: Vec<Foot>,
     /// Ground under feet that come and go; `None` where balance or a pin carries the body.
     ground_m: Option<f64>,
@@ -217,6 +221,7 @@ impl Controller {
             balance,
             leg_tension,
             models: models.clone(),
+            reactive: setup.reactive,
             feet,
             drives: vec![Drive::NONE; model.bodies.len()],
             sagging: Vec::new(),
@@ -306,19 +311,23 @@ impl Controller {
                 Muscle::None | Muscle::Leg => {}
             }
         }
+        let moment = Moment {
+            model: &self.model,
+            set_points: &self.set_points,
+            muscles: &self.legs,
+            q,
+            v,
+            goal_q: self.goal.pose(row),
+            goal_v: self.goal.velocity(row),
+            lift: self.lift[row.min(self.lift.len() - 1)],
+            time_s: t,
+            dt,
+        };
         if let Some(balance) = &mut self.balance {
-            let goal = (self.goal.pose(row), self.goal.velocity(row));
-            let lift = self.lift[row.min(self.lift.len() - 1)];
-            balance.update(
-                &self.model,
-                &self.set_points,
-                &self.legs,
-                (q, v),
-                goal,
-                lift,
-                dt,
-                &mut self.drives,
-            )?;
+            balance.react(&moment, &mut self.drives)?;
+        }
+        for property in &mut self.reactive {
+            property.react(&moment, &mut self.drives)?;
         }
         Ok(&self.drives)
     }

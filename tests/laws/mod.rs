@@ -7,6 +7,7 @@ mod actuators;
 mod clips;
 mod determinism;
 mod disturbances;
+mod gaze;
 mod momentum;
 mod pushes;
 mod sagging;
