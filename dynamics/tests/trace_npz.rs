@@ -164,7 +164,20 @@ fn npz_read_back_is_the_trace() {
 /// Every array with a unit exists, and every array of measured numbers has a unit.
 #[test]
 fn units_name_arrays() {
-    let mut npz = ZipArchive::new(Cursor::new(bytes(&projectile(5, 1)))).unwrap();
+    let plain = projectile(5, 1);
+    let mut disturbed = plain.clone();
+    let what = dynamics::Carried::solid_box(0, 1.0, Vec3::zeros(), Vec3::repeat(0.1));
+    disturbed.disturbed = dynamics::Disturbed {
+        ground_up: Vec3::new(0.6, 0.8, 0.0),
+        wrench: vec![0.0; 30],
+        carried: vec![dynamics::Handed { what, from_row: 0, to_row: 5 }],
+        carried_com: vec![0.0; 15],
+    };
+    [plain, disturbed].iter().for_each(units_name_arrays_of);
+}
+
+fn units_name_arrays_of(trace: &Trace) {
+    let mut npz = ZipArchive::new(Cursor::new(bytes(trace))).unwrap();
     let names: Vec<String> = npz.file_names().map(|n| n.trim_end_matches(".npy").to_owned()).collect();
     let units = NpyFile::new(npz.by_name("units.npy").unwrap()).unwrap().into_vec::<String>().unwrap();
     let listed: Vec<&String> = units.iter().step_by(2).collect();
@@ -176,6 +189,8 @@ fn units_name_arrays() {
         "units",
         "contact_row",
         "contact_link",
+        "carried_link",
+        "carried_rows",
         "link_name",
         "joint_type",
         "link_parent",

@@ -8,12 +8,12 @@ use motion::{Joint, Skeleton, Vec3};
 use crate::excerpt::Excerpt;
 use crate::figure::Figure;
 use crate::panel::{Key, Moment, Panel, Stroke, page};
-use crate::style::{Color, PURPLE};
+use crate::style::Color;
 
 /// Width of the pages with panels, px.
 pub const WIDTH: f64 = 1500.0;
 /// Of a fall.
-const FALL: Color = PURPLE;
+const FALL: Color = Color(150, 0, 60);
 /// Under every axis of time.
 pub const TIME: &str = "time (s)";
 

@@ -53,12 +53,12 @@ impl Check<'_> {
         match (p.impulse_ns, p.towards_deg) {
             (ImpulseRon::Vector(v), None) => {
                 for x in v {
-                    self.within(&field, x, -1e5, 1e5, "N·s")?;
+                    self.within(&field, x, -1e7, 1e7, "N·s")?;
                 }
                 Ok(Vec3::from(v))
             }
             (ImpulseRon::Size(x), Some(deg)) => {
-                let x = self.within(&field, x, 0.0, 1e5, "N·s")?;
+                let x = self.within(&field, x, 0.0, 1e7, "N·s")?;
                 let deg = self.within(&format!("{at}.towards_deg"), deg, -360.0, 360.0, "°")?;
                 Ok(crate::push::direction(deg) * x)
             }

@@ -137,9 +137,15 @@ impl Trace {
         npz.numbers("joint_v_at", &[n], &at(Skeleton::v_at))?;
         let names = dof_names(skeleton);
         npz.text("dof_name", &[nv as u64], &names.iter().map(String::as_str).collect::<Vec<_>>())?;
-        let units: Vec<&str> = UNITS.iter().flat_map(|u| [u.0, u.1]).collect();
+        let d = &self.disturbed;
+        let written = |name: &str| match name {
+            "ground_up" => d.ground_up != Vec3::y(),
+            "disturbed_wrench" => !d.wrench.is_empty(),
+            _ => !name.starts_with("carried_") || !d.carried.is_empty(),
+        };
+        let units: Vec<&str> = UNITS.iter().filter(|u| written(u.0)).flat_map(|u| [u.0, u.1]).collect();
         write_body(&mut npz, &self.character)?;
-        npz.text("units", &[UNITS.len() as u64, 2], &units)?;
+        npz.text("units", &[units.len() as u64 / 2, 2], &units)?;
         npz.finish()
     }
 
