@@ -7,7 +7,7 @@ use std::collections::BTreeMap;
 use std::path::Path;
 use std::sync::Arc;
 
-use controllers::GainBlend;
+use controllers::{BalanceSettings, GainBlend};
 use dynamics::{Character, RootMode};
 use edits::{
     Amount, Amplitude, Direction, Edit, ExtentReach, ExtentShoulder, Parameter, Place, Selector, Succession,
@@ -49,6 +49,8 @@ pub struct Physics {
     pub gravity: Vec3,
     /// The ground, if any.
     pub ground: Option<Ground>,
+    /// Parameters of the balance property.
+    pub balance: BalanceSettings,
 }
 
 /// A checked scene.
@@ -182,6 +184,7 @@ impl Check<'_> {
             root,
             gravity: self.vec3("world.gravity_m_s2", ron.world.gravity_m_s2)?,
             ground,
+            balance: BalanceSettings::default(),
         })
     }
 
