@@ -16,13 +16,13 @@ fn main() {
         if k == "one" { let (d, j) = v.split_once(',').unwrap(); one = Some((d.parse::<f64>().unwrap(), j.parse::<f64>().unwrap())); return false; }
         let f = || v.parse::<f64>().unwrap();
         match k {
-            "quiet" => (), "mgh" => b.ankle_mgh = Some(f()), "tol" => tol = f(), "rate" => stage.physics.rate_hz = f(), "tension" => stage.physics.tension = f(),
+            "quiet" => (), "mgh" => b.ankle_stiffness = Some(f()), "tol" => tol = f(), "rate" => stage.physics.rate_hz = f(), "tension" => stage.physics.tension = f(),
             "shift" => b.shift = f(), "shift_damping" => b.shift_damping = f(), "shift_rate" => b.shift_rate = f(), "shift_limit" => b.shift_limit_m = f(),
             "pressure" => b.pressure = f(), "pressure_damping" => b.pressure_damping = f(), "margin" => b.margin_m = f(),
-            "wfrom" => b.weight_from_m = f(), "wfull" => b.weight_full_m = f(), "weight" => b.weight = f(), "wd" => b.weight_damping = f(), "wy" => b.weight_yield = f(), "least" => b.least_share = f(),
+            "weight" => b.weight = f(), "wd" => b.weight_damping = f(), "wy" => b.weight_yield = f(), "least" => b.least_share = f(),
             "ws" => b.weight_shift = f() > 0.0, "ankle" => b.ankle = f() > 0.0, "hip" => b.hip = f() > 0.0,
-            "hg" => b.hip_gain = f(), "ht" => b.hip_torque_nm = f(), "hs" => b.hip_stroke_rad = f(), "hr" => b.hip_return = f(), "hp" => b.hip_pelvis[1] = f(), "hpx" => b.hip_pelvis[0] = f(), "hss" => b.hip_side_nm = f(), "hb" => b.hip_brake = f(), "hd" => b.hip_delay = f(), "x5" => b.x5 = f(), "x6" => b.x6 = f(), "after" => after = f(),
-            "x1" => b.x1 = f(), "x2" => b.x2 = f(), "x3" => b.x3 = f(), "x4" => b.x4 = f(),
+            "hg" => b.hip_gain = f(), "ht" => b.hip_moment_nm = f(), "hs" => b.hip_stroke_rad = f(), "hr" => b.hip_return_rad_s = f(), "hp" => b.hip_pelvis = f(),  "hss" => b.hip_side_moment_nm = f(), "hb" => b.hip_brake = f(), "hd" => b.hip_lag_s = f(),   "after" => after = f(),
+               
             _ => panic!("{k}"),
         }
         false

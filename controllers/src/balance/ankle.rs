@@ -1,7 +1,6 @@
 //! Ankle limit: a foot's own centre of pressure stays inside its sole.
 
 use dynamics::Model;
-use motion::Vec3;
 use motion::skeleton::{quat_at, vec_at};
 use motion::support::{Support, Vec2, ground};
 
@@ -20,35 +19,28 @@ impl Balance {
         model: &Model,
         body: usize,
         foot: &Foot,
-        force: Vec3,
-        side: Vec2,
+        force: f64,
         q: &[f64],
         v: &[f64],
         drive: &mut Drive,
     ) {
         let b = &model.bodies[body];
-        let (Rest::Ball { .. }, true) = (drive.rest, force.y > 1.0) else { return };
+        let (Rest::Ball { .. }, true) = (drive.rest, force > 1.0) else { return };
         let now = quat_at(q, b.q_at);
         let omega = vec_at(v, b.v_at);
         let torque = drive.pull(&now) * drive.stiffness - omega * drive.damping;
-        let zero = self.state.bodies[body].zero;
+        let zero = self.now.bodies[body].zero;
         let mut world = zero * torque;
-        let ankle = self.state.bodies[body].world.translation.vector;
-        let corners = foot.corners_in_world(model, &self.state);
-        let height = ankle.y - corners.iter().map(|c| c.y).fold(f64::INFINITY, f64::min);
-        let ankle = ground(&ankle);
-        // tau = -r x F with r_y = -h:  tau_x = h F_z + r_z F_y, tau_z = -h F_x - r_x F_y
-        world.x -= height * side.y;
-        world.z += height * side.x;
-        let force = force.y;
+        let ankle = ground(&self.now.bodies[body].world.translation.vector);
         let pressure = ankle + Vec2::new(-world.z / force, world.x / force);
+        let corners = foot.corners_in_world(model, &self.now);
         let inside = clamp_inside(&Support::of(corners.iter()), pressure, self.settings.margin_m);
         if inside == pressure {
             return;
         }
         let r = inside - ankle;
-        world.x = r.y * force + height * side.y;
-        world.z = -r.x * force - height * side.x;
+        world.x = r.y * force;
+        world.z = -r.x * force;
         let torque = zero.transpose() * world + omega * drive.damping;
         drive.rest = Rest::Ball { target: now, shift: torque / drive.stiffness };
     }
