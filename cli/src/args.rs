@@ -6,7 +6,7 @@ use clap::{Args, Parser, Subcommand, ValueEnum};
 use motion::format::bvh::{Axis, ImportOptions};
 use motion::smooth::Smoothing;
 use scenes::StudyOptions;
-use scenes::overrides::{Overrides, RATES, RootChoice, SUBSTEPS, TENSIONS};
+use scenes::overrides::{Overrides, RATES, RootChoice, SUBSTEPS, Strategy, TENSIONS};
 use scenes::push::PushSettings;
 
 /// Motion performed by a body with mass, muscles and contacts.
@@ -126,6 +126,9 @@ pub struct RenderArgs {
     /// Engine substeps per control step [default: as many as the stiffest joint needs, at least 2]
     #[arg(long, value_name = "N", value_parser = substeps, allow_negative_numbers = true)]
     pub substeps: Option<usize>,
+    /// Strategies of balance to switch off: ankle, hip, weight
+    #[arg(long, value_name = "STRATEGY", value_delimiter = ',')]
+    pub without: Vec<Strategy>,
     /// Draw nothing
     #[arg(long)]
     pub no_plots: bool,
@@ -163,7 +166,13 @@ Same input, same bytes; only `realtime_factor` in report.json is of the clock.";
 impl RenderArgs {
     /// Numbers of the dynamic pass that differ from the file's.
     pub fn overrides(&self) -> Overrides {
-        Overrides { root: self.root, tension: self.tension, rate_hz: self.rate, substeps: self.substeps }
+        Overrides {
+            root: self.root,
+            tension: self.tension,
+            rate_hz: self.rate,
+            substeps: self.substeps,
+            without: self.without.clone(),
+        }
     }
 }
 
@@ -278,6 +287,9 @@ pub struct PushArgs {
     /// Engine substeps per control step [default: the scene's]
     #[arg(long, value_name = "N", value_parser = substeps, allow_negative_numbers = true)]
     pub substeps: Option<usize>,
+    /// Strategies of balance to switch off: ankle, hip, weight
+    #[arg(long, value_name = "STRATEGY", value_delimiter = ',')]
+    pub without: Vec<Strategy>,
     /// Draw nothing
     #[arg(long)]
     pub no_plots: bool,
@@ -291,6 +303,7 @@ Examples:
   contrapposto push scenes/stand.ron
   contrapposto push scenes/stand.ron --directions 4 --tolerance 5
   contrapposto push scenes/stand.ron --tension 2 --out out/stiff
+  contrapposto push scenes/stand.ron --without hip,weight --out out/ankles
   contrapposto push scenes/stand.ron --json | jq .mean_ratio
 
 A push is a constant horizontal force over 0.1 s at the body's centre of mass. It is survived if no foot moves more
@@ -307,7 +320,13 @@ Exit codes: 0 done, 1 the body does not stand or the run failed, 2 something is 
 impl PushArgs {
     /// Numbers of the dynamic pass that differ from the file's.
     pub fn overrides(&self) -> Overrides {
-        Overrides { root: None, tension: self.tension, rate_hz: self.rate, substeps: self.substeps }
+        Overrides {
+            root: None,
+            tension: self.tension,
+            rate_hz: self.rate,
+            substeps: self.substeps,
+            without: self.without.clone(),
+        }
     }
 
     /// The same as the map takes it.

@@ -6,6 +6,7 @@
 use std::ops::RangeInclusive;
 use std::str::FromStr;
 
+pub use controllers::Strategy;
 use dynamics::RootMode;
 
 use crate::scene::Physics;
@@ -63,7 +64,7 @@ impl FromStr for RootChoice {
 }
 
 /// What is to differ from the file; `None` leaves it.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct Overrides {
     /// What holds the root.
     pub root: Option<RootChoice>,
@@ -73,6 +74,8 @@ pub struct Overrides {
     pub rate_hz: Option<f64>,
     /// Engine substeps per control step.
     pub substeps: Option<usize>,
+    /// Strategies of balance to switch off, beside those the file does.
+    pub without: Vec<Strategy>,
 }
 
 impl Overrides {
@@ -97,6 +100,9 @@ impl Overrides {
         }
         if let Some(n) = self.substeps {
             physics.substeps = Some(n.clamp(*SUBSTEPS.start(), *SUBSTEPS.end()));
+        }
+        for &strategy in &self.without {
+            physics.balance = physics.balance.without(strategy);
         }
     }
 }

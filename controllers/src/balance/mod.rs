@@ -21,7 +21,7 @@
 //!    inside its sole; a stiff ankle would tip the foot.
 //!
 //! In: state, goal pose, feet. Out: drives of the legs and the spine. No clock and no engine; its memory is the integral,
-//! the lean, how far the weight shift is awake and the pelvis' last velocity. World frame.
+//! the lean, how far the answers to pushes are awake and the pelvis' last velocity. World frame.
 
 mod ankle;
 mod hip;
@@ -61,7 +61,8 @@ pub struct Balance {
     feet: Vec<Foot>,
     plants: Vec<Plant>,
     integral: Vec2,
-    wake: Wake,
+    /// What wakes the weight shift, and the hip strategy.
+    wake: [Wake; 2],
     hip: Hip,
     /// Velocity of the pelvis a step ago, m/s.
     before: Option<Vec2>,
@@ -105,7 +106,7 @@ impl Balance {
             feet,
             plants,
             integral: Vec2::zeros(),
-            wake: Wake::default(),
+            wake: [Wake::default(); 2],
             hip: Hip::new(model, &mut tried),
             before: None,
             now: State::new(model),
@@ -163,7 +164,8 @@ impl Balance {
             if self.hip.inertia.is_none() {
                 self.hip.inertia = Some(self.lean_inertia(model, goal_q, over)?);
             }
-            let wanted = ground(&com) + rate + stray * s.hip_gain;
+            let sudden = self.wake[1].update(&s, stray, dt);
+            let wanted = ground(&com) + rate + stray * (s.hip_gain * sudden);
             let inside = |p| clamp_inside(&support, p, s.margin_m);
             hip_pressure = Some(self.hip.step(&s, wanted, inside, force.y, dt));
         }
@@ -176,7 +178,7 @@ impl Balance {
         let shift = if s.ankle { shift } else { Vec2::zeros() };
         let line = if s.weight_shift { Line::between(&self.feet, &centers, model, &self.now) } else { None };
         // what the motion itself stirs up is left to the springs
-        let fade = line.as_ref().map_or(0.0, |l| self.wake.update(&s, l.along.dot(&stray), dt));
+        let fade = line.as_ref().map_or(0.0, |l| self.wake[0].update(&s, l.part(stray), dt));
         let line = line.filter(|_| fade > 0.0);
         let along = |x: Vec2| line.as_ref().map_or(Vec2::zeros(), |l| l.part(x)) * fade;
         let reacts = line.is_some() || leans;

@@ -55,7 +55,8 @@ pub struct BalanceSettings {
     /// Weight shift between two feet against errors along the line between them. Off, the legs answer them
     /// like any other, and pushes to the side drag the foot that lost its load.
     pub weight_shift: bool,
-    /// Speed of the capture point's error along the line between the feet at which the weight shift wakes, m/s;
+    /// Speed of the capture point's error along the line between the feet at which the weight shift wakes (and, in any
+    /// direction, the hip strategy), m/s;
     /// lower answers to what the motion itself stirs up (a wild twist: 0.3), higher to hard pushes only.
     pub weight_from_m_s: f64,
     /// Speed at which it acts whole, m/s; nearer to [`Self::weight_from_m_s`] is more abrupt.
@@ -77,8 +78,8 @@ pub struct BalanceSettings {
     /// Hip strategy: the trunk leans where the body falls when its pressure is at the edge of the support. Off, the trunk
     /// does what the motion asks for and nothing else.
     pub hip: bool,
-    /// How far beyond the capture point the pressure is wanted, per error of that, m/m, ≥ 0; higher starts the lean sooner
-    /// and harder, with 0 only once the capture point has left the support.
+    /// How far beyond the capture point the pressure is wanted, per error of that, m/m, ≥ 0, once it runs off as fast as wakes
+    /// the weight shift; higher starts the lean sooner and harder, with 0 only when the capture point has left the support.
     pub hip_gain: f64,
     /// Largest change of angular momentum fore and aft, N·m, > 0; higher catches harder pushes, too high lifts the heels.
     pub hip_moment_nm: f64,

@@ -49,30 +49,31 @@ impl Line {
     }
 }
 
-/// How much of the weight shift acts: a push tells itself from the motion asked for by how fast the capture
+/// How much of a strategy for pushes acts: a push tells itself from the motion asked for by how fast the capture
 /// point runs off, ξ̇ = F/(m ω₀), long before by how far.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Wake {
     /// Error of the capture point, m, followed with the time constant [`SUDDEN`]; `None` before the first step.
-    followed: Option<f64>,
+    followed: Option<Vec2>,
     level: f64,
 }
 
 /// Time over which the speed of the capture point is taken, s.
 const SUDDEN: f64 = 0.02;
-/// Time constant with which the weight shift falls asleep, s.
+/// Time constant with which it falls asleep, s.
 const CALM: f64 = 0.3;
 
 impl Wake {
-    /// Level in 0 to 1 after a step of `dt` with the error `x`, m.
-    pub fn update(&mut self, s: &BalanceSettings, x: f64, dt: f64) -> f64 {
+    /// Level in 0 to 1 after a step of `dt` with the error `x` of the capture point, m.
+    pub fn update(&mut self, s: &BalanceSettings, x: Vec2, dt: f64) -> f64 {
         let followed = self.followed.get_or_insert(x);
         // in the steady state of a ramp this is its slope, at any step
         let gain = 1.0 - (-dt / SUDDEN).exp();
         let speed = (x - *followed) * (gain / dt);
         *followed += (x - *followed) * gain;
-        let t = ((speed.abs() - s.weight_from_m_s) / (s.weight_full_m_s - s.weight_from_m_s)).clamp(0.0, 1.0);
-        if x.abs() < s.weight_rest_m {
+        let t =
+            ((speed.norm() - s.weight_from_m_s) / (s.weight_full_m_s - s.weight_from_m_s)).clamp(0.0, 1.0);
+        if x.norm() < s.weight_rest_m {
             self.level *= (-dt / CALM).exp();
             if self.level < 1e-3 {
                 self.level = 0.0;
@@ -92,7 +93,11 @@ mod tests {
         let mut wake = Wake::default();
         let mut level = 0.0;
         for k in 0..(seconds * rate_hz) as usize {
-            level = wake.update(&BalanceSettings::default(), speed * k as f64 / rate_hz, 1.0 / rate_hz);
+            level = wake.update(
+                &BalanceSettings::default(),
+                Vec2::x() * (speed * k as f64 / rate_hz),
+                1.0 / rate_hz,
+            );
         }
         (wake, level)
     }
@@ -107,11 +112,11 @@ mod tests {
             let (mut wake, level) = after(1.2 * s.weight_full_m_s, 0.05, rate_hz);
             assert_eq!(level, 1.0, "{rate_hz} Hz");
             for _ in 0..(10.0 * rate_hz) as usize {
-                wake.update(&s, 2.0 * s.weight_rest_m, 1.0 / rate_hz);
+                wake.update(&s, Vec2::y() * (2.0 * s.weight_rest_m), 1.0 / rate_hz);
             }
             assert_eq!(wake.level, 1.0, "awake while there is an error");
             for _ in 0..(3.0 * rate_hz) as usize {
-                wake.update(&s, 0.0, 1.0 / rate_hz);
+                wake.update(&s, Vec2::zeros(), 1.0 / rate_hz);
             }
             assert_eq!(wake.level, 0.0);
         }
