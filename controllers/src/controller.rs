@@ -62,6 +62,15 @@ pub struct Sagging {
     pub least: f64,
 }
 
+/// Stance legs that are tenser than was asked, because they would not stand.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct RaisedLegs {
+    /// Least tension asked of a joint of theirs, dimensionless.
+    pub asked: f64,
+    /// Tension it has.
+    pub given: f64,
+}
+
 #[expect(clippy::large_enum_variant, reason = "one per joint, most are transitions")]
 enum Muscle {
     None,
@@ -102,6 +111,7 @@ pub struct Controller {
     events: Vec<Event>,
     next_event: usize,
     balance: Option<Balance>,
+    raised: Option<RaisedLegs>,
     feet: Vec<Foot>,
     /// Ground under feet that come and go; `None` where balance or a pin carries the body.
     ground_m: Option<f64>,
@@ -165,12 +175,16 @@ impl Controller {
             Some(b) => b.bodies(&model),
             None => Vec::new(),
         };
+        let mut least = f64::INFINITY;
         let legs = (0..model.bodies.len())
             .map(|i| {
                 let tension = match &setup.tracks {
                     Some(t) => setup.tension * t.base_tension[model.bodies[i].link],
                     None => setup.tension,
                 };
+                if in_leg.contains(&i) {
+                    least = least.min(tension);
+                }
                 let tension =
                     if in_leg.contains(&i) { tension.clamp(LEG_TENSION.lo, LEG_TENSION.hi) } else { tension };
                 let stiffness = tension * scale.k1[i];
@@ -183,6 +197,7 @@ impl Controller {
             next_event: 0,
             ground_m: if balance.is_none() { setup.ground_m } else { None },
             balance,
+            raised: (least < LEG_TENSION.lo).then_some(RaisedLegs { asked: least, given: LEG_TENSION.lo }),
             feet,
             drives: vec![Drive::NONE; model.bodies.len()],
             sagging: Vec::new(),
@@ -219,6 +234,11 @@ impl Controller {
     /// Drives of the last step.
     pub fn drives(&self) -> &[Drive] {
         &self.drives
+    }
+
+    /// Stance legs raised to the least tension that stands; `None` if what was asked does.
+    pub fn raised_legs(&self) -> Option<RaisedLegs> {
+        self.raised
     }
 
     /// Whether the stance legs are under the balance property.

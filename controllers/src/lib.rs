@@ -29,8 +29,8 @@ pub mod tension;
 pub mod transition;
 
 pub use antagonist::{Antagonist, HoldError, SetPoints};
-pub use balance::{Balance, BalanceSettings};
-pub use controller::{Controller, Sagging, Setup};
+pub use balance::{Balance, BalanceSettings, Strategy, StrategyError};
+pub use controller::{Controller, RaisedLegs, Sagging, Setup};
 pub use drive::{Drive, Rest, rest_of};
 pub use goal::Goal;
 pub use parameters::{PARAMETERS, Parameter, Tunable, parameter};

@@ -9,7 +9,7 @@ use std::time::Instant;
 
 use controllers::assist::{self, Budget};
 use controllers::stops::STIFFNESS_RATIO;
-use controllers::{Controller, Sagging, Setup};
+use controllers::{Controller, RaisedLegs, Sagging, Setup};
 use dynamics::{Character, ContactSample, RootMode, State, Trace, Wrench};
 use motion::ik::IkError;
 use motion::{Joint, Vec3};
@@ -64,6 +64,8 @@ pub struct Outcome {
     pub trace: Trace,
     /// Joints that sagged.
     pub sagging: Vec<Sagging>,
+    /// Stance legs that are tenser than was asked.
+    pub raised_legs: Option<RaisedLegs>,
     /// When the body fell, s.
     pub fell_s: Option<f64>,
     /// Why the run stopped early.
@@ -261,6 +263,7 @@ impl<E: Engine> Run<E> {
         let added = controller.added_damping(1.0 / (trace.rate_hz * trace.substeps as f64));
         Outcome {
             sagging: controller.sagging(),
+            raised_legs: controller.raised_legs(),
             fell_s: self.fell_s,
             diverged: self.diverged,
             stiffness,

@@ -304,7 +304,8 @@ impl Cost {
 
 impl Objective for Cost {
     fn sample(&self, u: &[f64]) -> Sample {
-        self.evaluate(&self.tunable(u))
+        // values as they were asked for: degrees that went through radians may have lost their last bit
+        Sample { values: self.values(u), ..self.evaluate(&self.tunable(u)) }
     }
 
     fn values(&self, u: &[f64]) -> Vec<f64> {
