@@ -232,10 +232,7 @@ impl Cost {
 
     /// One run: its terms, and whether it was survived. What cannot even start is lost at once.
     fn watch(&self, stage: &Stage, probe: &Probe) -> ([f64; 5], bool) {
-        match self.run(stage, probe) {
-            Ok(found) => found,
-            Err(_) => ([2.0, 1.0, 1.0, 1.0, 1.0], false),
-        }
+        self.run(stage, probe).unwrap_or(([2.0, 1.0, 1.0, 1.0, 1.0], false))
     }
 
     fn run(&self, stage: &Stage, probe: &Probe) -> Result<([f64; 5], bool), PassError> {
