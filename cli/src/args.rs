@@ -6,7 +6,7 @@ use clap::{Args, Parser, Subcommand, ValueEnum};
 use motion::format::bvh::{Axis, ImportOptions};
 use motion::smooth::Smoothing;
 use scenes::StudyOptions;
-use scenes::overrides::{Overrides, RATES, RootChoice, SUBSTEPS, TENSIONS};
+use scenes::overrides::{Overrides, RATES, RootChoice, SUBSTEPS, Strategy, TENSIONS};
 use scenes::push::PushSettings;
 use scenes::{Patch, SceneError};
 
@@ -135,6 +135,9 @@ pub struct RenderArgs {
     /// Engine substeps per control step [default: as many as the stiffest joint needs, at least 2]
     #[arg(long, value_name = "N", value_parser = substeps, allow_negative_numbers = true)]
     pub substeps: Option<usize>,
+    /// Strategies of balance to switch off: ankle, hip, weight
+    #[arg(long, value_name = "STRATEGY", value_delimiter = ',')]
+    pub without: Vec<Strategy>,
     /// Draw nothing
     #[arg(long)]
     pub no_plots: bool,
@@ -181,6 +184,7 @@ impl RenderArgs {
             tension: self.tension,
             rate_hz: self.rate,
             substeps: self.substeps,
+            without: self.without.clone(),
         })
     }
 }
@@ -335,6 +339,9 @@ pub struct PushArgs {
     /// Engine that simulates the pushes
     #[arg(long, value_enum, default_value_t = EngineArg::Rapier)]
     pub engine: EngineArg,
+    /// Strategies of balance to switch off: ankle, hip, weight
+    #[arg(long, value_name = "STRATEGY", value_delimiter = ',')]
+    pub without: Vec<Strategy>,
     /// Draw nothing
     #[arg(long)]
     pub no_plots: bool,
@@ -349,6 +356,7 @@ Examples:
   contrapposto push scenes/stand.ron --directions 4 --tolerance 5
   contrapposto push scenes/stand.ron --tension 2 --out out/stiff
   contrapposto push scenes/stand.ron --engine mujoco --directions 8 --tolerance 4
+  contrapposto push scenes/stand.ron --without hip,weight --out out/ankles
   contrapposto push scenes/stand.ron --json | jq .mean_ratio
 
 A push is a constant horizontal force over 0.1 s at the body's centre of mass. It is survived if no foot moves more
@@ -374,6 +382,7 @@ impl PushArgs {
             tension: self.tension,
             rate_hz: self.rate,
             substeps: self.substeps,
+            without: self.without.clone(),
         })
     }
 

@@ -33,7 +33,7 @@ pub mod tension;
 pub mod transition;
 
 pub use antagonist::{Antagonist, HoldError, SetPoints};
-pub use balance::{Balance, BalanceSettings};
+pub use balance::{Balance, BalanceSettings, Strategy, StrategyError};
 pub use controller::{Controller, LegTension, Sagging, Setup};
 pub use drive::{Drive, Rest, rest_of};
 pub use gaze::{Gaze, GazeError, GazeSettings, Sight};

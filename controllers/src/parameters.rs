@@ -4,8 +4,8 @@
 //! value given by hand may lie anywhere in them. Ranges of strategies are chosen so that every combination
 //! is a legal setting: no two parameters need each other.
 //!
-//! Defaults are those of [`Tunable::default`]. Names and units are those people read: angles in degrees. Switches (`bool`)
-//! of [`BalanceSettings`] are no parameters; a test holds that every number of it is in the table.
+//! Defaults are those of [`Tunable::default`]. Names and units are those people read: angles in degrees. Switches of
+//! [`BalanceSettings`] (`bool`, `Option`) are no parameters; a test holds that every number of it is in the table.
 
 use crate::BalanceSettings;
 
@@ -159,20 +159,20 @@ pub const PARAMETERS: &[Parameter] = &[
     balance!(
         weight_from_m_s,
         "m/s",
-        0.1 to 0.45,
-        "speed of the capture point between the feet at which the weight shift wakes; lower answers to what the motion itself stirs up"
+        0.2 to 0.45,
+        "speed of the capture point at which weight shift and hip wake; lower answers to what the motion stirs up"
     ),
     balance!(
         weight_full_m_s,
         "m/s",
         0.46 to 1.0,
-        "speed at which the weight shift acts whole; lower is more abrupt, higher answers to hard pushes only"
+        "speed at which they act whole; lower is more abrupt, higher answers hard pushes only"
     ),
     balance!(
         weight_rest_m,
         "m",
         0.002 to 0.03,
-        "error below which the weight shift falls asleep; higher leaves the rest of the way to the springs"
+        "error below which the weight shift sleeps again; higher leaves the rest of the way to the springs"
     ),
     balance!(
         weight,
@@ -197,6 +197,53 @@ pub const PARAMETERS: &[Parameter] = &[
         "",
         0.05 to 1.0,
         "part of its stiffness an unloaded leg keeps; lower leaves it limp, 1 keeps both legs alike"
+    ),
+    balance!(
+        hip_gain,
+        "m/m",
+        0.0 to 4.0,
+        "how far beyond the capture point the pressure is wanted; higher leans sooner and harder"
+    ),
+    balance!(
+        hip_moment_nm,
+        "N·m",
+        50.0 to 300.0,
+        "largest moment of a lean fore and aft; higher catches harder pushes, too high lifts the heels"
+    ),
+    balance!(
+        hip_side_moment_nm,
+        "N·m",
+        10.0 to 150.0,
+        "largest moment of a lean to the side; too high throws the load from foot to foot"
+    ),
+    Parameter {
+        name: "hip_stroke_deg",
+        unit: "°",
+        lo: 15.0,
+        hi: 60.0,
+        spacing: Spacing::Linear,
+        meaning: "largest lean of the chest; higher catches harder pushes, and looks it",
+        get: |t| t.balance.hip_stroke_rad.to_degrees(),
+        set: |t, x| t.balance.hip_stroke_rad = x.to_radians(),
+    },
+    balance!(
+        hip_brake,
+        "",
+        0.1 to 1.0,
+        "part of the moment a lean is stopped with; lower brakes sooner and softer"
+    ),
+    balance!(
+        hip_return_rad_s,
+        "rad/s",
+        0.5 to 5.0,
+        "natural frequency of the way back from a lean; higher returns sooner and asks more of the ankles"
+    ),
+    balance!(hip_lag_s, "s", 0.005 to 0.1, "time constant of a lean's moment; lower is more sudden"),
+    balance!(
+        hip_pelvis,
+        "",
+        0.0 to 1.0,
+        "part of a lean fore and aft that the pelvis takes; the spine takes the rest"
     ),
 ];
 
@@ -234,9 +281,9 @@ mod tests {
         // a list of numbers is one field: its parameters begin with its name
         for field in inside.replace("[", "").replace("]", "").split(", ").filter(|f| f.contains(": ")) {
             let (name, value) = field.trim().split_once(": ").unwrap();
-            let name = name.replace("_rad", "_deg");
+            let name = name.strip_suffix("_rad").map_or(name.to_owned(), |n| format!("{n}_deg"));
             let known = PARAMETERS.iter().filter(|p| p.name.starts_with(&name)).count();
-            if let "true" | "false" = value.trim() {
+            if let "true" | "false" | "None" = value.trim() {
                 assert!(parameter(&name).is_none(), "{name} is a switch");
             } else {
                 assert!(known > 0, "{name} is not in the table");
@@ -255,7 +302,12 @@ mod tests {
             for u in [0.0, 0.3, 1.0] {
                 let mut t = Tunable::default();
                 p.set(&mut t, p.at(u));
-                assert_eq!(p.get(&t), p.at(u), "{}", p.name);
+                // degrees to radians and back round: 1e-16 of it seen
+                assert!(
+                    (p.get(&t) / p.at(u).max(1e-9) - p.at(u) / p.at(u).max(1e-9)).abs() < 1e-14,
+                    "{}",
+                    p.name
+                );
                 assert!((p.part(p.at(u)) - u).abs() < 1e-12, "{}", p.name); // 2e-16 seen
                 for other in PARAMETERS.iter().filter(|o| o.name != p.name) {
                     assert_eq!(other.get(&t), other.default(), "{} changed {}", p.name, other.name);
@@ -265,10 +317,10 @@ mod tests {
         }
     }
 
-    /// Every corner of the ranges keeps the order of the two errors between which the weight shift fades in.
+    /// Every corner of the ranges keeps the order of the two speeds between which the weight shift fades in.
     #[test]
     fn ranges_need_no_order() {
-        let (from, full) = (parameter("weight_from_m").unwrap(), parameter("weight_full_m").unwrap());
+        let (from, full) = (parameter("weight_from_m_s").unwrap(), parameter("weight_full_m_s").unwrap());
         assert!(from.hi < full.lo);
     }
 }

@@ -6,6 +6,7 @@
 use std::ops::RangeInclusive;
 use std::str::FromStr;
 
+pub use controllers::Strategy;
 use dynamics::RootMode;
 
 use crate::Patch;
@@ -76,6 +77,8 @@ pub struct Overrides {
     pub rate_hz: Option<f64>,
     /// Engine substeps per control step.
     pub substeps: Option<usize>,
+    /// Strategies of balance to switch off, beside those the file does.
+    pub without: Vec<Strategy>,
 }
 
 impl Overrides {
@@ -103,6 +106,9 @@ impl Overrides {
         }
         if let Some(n) = self.substeps {
             physics.substeps = Some(n.clamp(*SUBSTEPS.start(), *SUBSTEPS.end()));
+        }
+        for &strategy in &self.without {
+            physics.balance = physics.balance.without(strategy);
         }
     }
 }

@@ -7,7 +7,7 @@ use std::collections::BTreeMap;
 use std::path::Path;
 use std::sync::Arc;
 
-use controllers::{BalanceSettings, GainBlend, Gaze};
+use controllers::{BalanceSettings, GainBlend, Gaze, Strategy};
 use dynamics::{Carrying, Character, RootMode};
 use edits::{
     Amount, Amplitude, Direction, Edit, ExtentReach, ExtentShoulder, Parameter, Place, Selector, Succession,
@@ -211,8 +211,23 @@ impl Check<'_> {
             root,
             gravity: self.vec3("world.gravity_m_s2", ron.world.gravity_m_s2)?,
             ground,
-            balance: BalanceSettings::default(),
+            balance: self.balance(&ron.balance)?,
         })
+    }
+
+    fn balance(&self, ron: &BalanceRon) -> Result<BalanceSettings, SceneError> {
+        let off = |all: BalanceSettings, strategy: &StrategyRon| {
+            all.without(match strategy {
+                StrategyRon::Ankle => Strategy::Ankle,
+                StrategyRon::Hip => Strategy::Hip,
+                StrategyRon::Weight => Strategy::Weight,
+            })
+        };
+        let mut balance = ron.without.iter().fold(BalanceSettings::default(), off);
+        if let Some(x) = ron.ankle_stiffness {
+            balance.ankle_stiffness = Some(self.within("balance.ankle_stiffness", x, 0.05, 20.0, "m g h")?);
+        }
+        Ok(balance)
     }
 
     fn script(&self, ron: &SceneRon) -> Result<Script, SceneError> {

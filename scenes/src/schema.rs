@@ -46,6 +46,9 @@ pub struct SceneRon {
     /// Numbers of the dynamic pass.
     #[serde(default)]
     pub physics: PhysicsRon,
+    /// The balance of a standing body.
+    #[serde(default)]
+    pub balance: BalanceRon,
     /// Pushes from outside.
     #[serde(default)]
     pub pushes: Vec<PushRon>,
@@ -443,6 +446,27 @@ impl Default for PhysicsRon {
     fn default() -> Self {
         Self { rate_hz: 240.0, substeps: None, tension: 1.0, blend: BlendRon::RestAngle }
     }
+}
+
+/// The balance of a standing body.
+#[derive(Clone, Debug, Default, Deserialize)]
+#[serde(deny_unknown_fields, rename = "balance", default)]
+pub struct BalanceRon {
+    /// Strategies switched off.
+    pub without: Vec<StrategyRon>,
+    /// Stiffness of both ankles together over m g h; by default what the tension gives.
+    pub ankle_stiffness: Option<f64>,
+}
+
+/// A strategy of balance.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
+pub enum StrategyRon {
+    /// Pressure moves under the feet.
+    Ankle,
+    /// The trunk leans.
+    Hip,
+    /// Weight moves between the feet.
+    Weight,
 }
 
 /// A push.

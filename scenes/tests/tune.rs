@@ -172,7 +172,7 @@ fn sections_are_checked() {
     assert_eq!(spec.parameters.iter().map(|p| p.name).collect::<Vec<_>>(), ["shift", "tension"]);
     assert_eq!((spec.weights[0], spec.weights[2]), (1.0, 2.0));
     assert_eq!(spec.pushes, [FixedPush { deg: 90.0, of_limit: 0.5 }]);
-    let nine = vec!["(deg: 0, of_limit: 1)"; 9].join(", ");
+    let nine = ["(deg: 0, of_limit: 1)"; 9].join(", ");
     for (section, words) in [
         (
             r#"tune: (parameters: ["shft"]),"#.to_owned(),

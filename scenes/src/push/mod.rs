@@ -28,7 +28,7 @@ use motion::support::{Support, ground};
 use motion::{Clip, Kinematics, Vec3};
 use rayon::prelude::*;
 use serde::Serialize;
-use sim::{Engine, PassError, Push, World, WorldError, WorldSettings};
+use sim::{Engine, Pass, PassError, Push, World, WorldError, WorldSettings};
 
 use crate::Stage;
 
@@ -352,21 +352,26 @@ where
         limit_ns(self.stage.character.mass(), self.omega, self.edge_m(deg), self.push_s())
     }
 
+    /// The pass of one push, to the end of the verdict and beyond if the stage is longer.
+    pub fn pass(&self, deg: f64, impulse_ns: f64) -> Pass {
+        let mut pass = self.stage.pass();
+        pass.pushes.push(Push {
+            link: self.link,
+            at: self.at,
+            force: direction(deg) * (impulse_ns / self.push_s()),
+            start_s: self.start_row as f64 / self.stage.physics.rate_hz,
+            duration_s: self.push_s(),
+        });
+        pass
+    }
+
     /// Pushes the settled body once; stops as soon as the end is known.
     ///
     /// # Errors
     /// What the pass finds wrong. A simulation that runs away is a verdict.
     pub fn push(&self, deg: f64, impulse_ns: f64) -> Result<Verdict, PushError> {
         let rate = self.stage.physics.rate_hz;
-        let mut pass = self.stage.pass();
-        pass.pushes.push(Push {
-            link: self.link,
-            at: self.at,
-            force: direction(deg) * (impulse_ns / self.push_s()),
-            start_s: self.start_row as f64 / rate,
-            duration_s: self.push_s(),
-        });
-        let mut run = pass.start_in(&self.build)?;
+        let mut run = self.pass(deg, impulse_ns).start_in(&self.build)?;
         let skeleton = &self.stage.character.skeleton;
         let mut k = Kinematics::new(skeleton, run.trace().pose(0));
         while run.row() < self.end_row && run.step()? {

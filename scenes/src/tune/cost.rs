@@ -232,10 +232,7 @@ impl Cost {
 
     /// One run: its terms, and whether it was survived. What cannot even start is lost at once.
     fn watch(&self, stage: &Stage, probe: &Probe) -> ([f64; 5], bool) {
-        match self.run(stage, probe) {
-            Ok(found) => found,
-            Err(_) => ([2.0, 1.0, 1.0, 1.0, 1.0], false),
-        }
+        self.run(stage, probe).unwrap_or(([2.0, 1.0, 1.0, 1.0, 1.0], false))
     }
 
     fn run(&self, stage: &Stage, probe: &Probe) -> Result<([f64; 5], bool), PassError> {
@@ -304,7 +301,8 @@ impl Cost {
 
 impl Objective for Cost {
     fn sample(&self, u: &[f64]) -> Sample {
-        self.evaluate(&self.tunable(u))
+        // values as they were asked for: degrees that went through radians may have lost their last bit
+        Sample { values: self.values(u), ..self.evaluate(&self.tunable(u)) }
     }
 
     fn values(&self, u: &[f64]) -> Vec<f64> {

@@ -1,0 +1,47 @@
+//! Ankle limit: a foot's own centre of pressure stays inside its sole.
+
+use dynamics::Model;
+use motion::skeleton::{quat_at, vec_at};
+use motion::support::{Support, Vec2, ground};
+
+use super::Balance;
+use crate::support::{Foot, clamp_inside};
+use crate::{Drive, Rest};
+
+impl Balance {
+    /// Limits the ankle's torque so that the foot's own centre of pressure stays inside its sole.
+    ///
+    /// For a foot of little mass under a vertical force F, τ = −r × F ŷ: r_z = τ_x/F, r_x = −τ_z/F, with
+    /// r from the ankle to the centre of pressure.
+    #[expect(clippy::too_many_arguments, reason = "a step's inputs, each used once")]
+    pub(super) fn limit_ankle(
+        &self,
+        model: &Model,
+        body: usize,
+        foot: &Foot,
+        force: f64,
+        q: &[f64],
+        v: &[f64],
+        drive: &mut Drive,
+    ) {
+        let b = &model.bodies[body];
+        let (Rest::Ball { .. }, true) = (drive.rest, force > 1.0) else { return };
+        let now = quat_at(q, b.q_at);
+        let omega = vec_at(v, b.v_at);
+        let torque = drive.pull(&now) * drive.stiffness - omega * drive.damping;
+        let zero = self.now.bodies[body].zero;
+        let mut world = zero * torque;
+        let ankle = ground(&self.now.bodies[body].world.translation.vector);
+        let pressure = ankle + Vec2::new(-world.z / force, world.x / force);
+        let corners = foot.corners_in_world(model, &self.now);
+        let inside = clamp_inside(&Support::of(corners.iter()), pressure, self.settings.margin_m);
+        if inside == pressure {
+            return;
+        }
+        let r = inside - ankle;
+        world.x = r.y * force;
+        world.z = -r.x * force;
+        let torque = zero.transpose() * world + omega * drive.damping;
+        drive.rest = Rest::Ball { target: now, shift: torque / drive.stiffness };
+    }
+}
