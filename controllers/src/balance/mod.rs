@@ -266,9 +266,10 @@ impl Balance {
                     stiffness = set;
                 }
                 let (stiffness, damping) = (stiffness * part, damping * part);
-                let target = rest_of(model, body, &self.goal);
+                let lets_go = !s.ankle && link == foot.limb.end;
+                let target = rest_of(model, body, if lets_go { q } else { &self.goal });
                 let mut rate = joint_force(&b.joint, goal_v, b.v_at);
-                if reacts {
+                if reacts && !lets_go {
                     rate += rate_between(&target, &rest_of(model, body, &self.ahead));
                 }
                 let rate = rate * damping;

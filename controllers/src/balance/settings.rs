@@ -32,8 +32,8 @@ impl std::str::FromStr for Strategy {
 /// Parameters of the balance property.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct BalanceSettings {
-    /// Ankle strategy: legs and pressure answer the sway of the centre of mass. Off, the legs only carry the body where it
-    /// stands and hold their goals.
+    /// Ankle strategy: the ankles and the pressure under the feet answer the sway of the centre of mass. Off, the ankles carry
+    /// the body wherever it is and neither pull it back nor let it fall faster; it does not stand for long.
     pub ankle: bool,
     /// Pelvis shift per centre-of-mass error, m/m, ≥ 0; higher pulls back harder, too high sways.
     pub shift: f64,
