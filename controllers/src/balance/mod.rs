@@ -7,7 +7,7 @@
 //! 2. *Support load*: the legs carry the body as it is now. RNEA at the simulated pose with the ground
 //!    reaction at a centre of pressure `c + g_p e + g_d ė/ω₀`, clamped inside the soles, split between the
 //!    feet (see [`crate::support`]). Both together are the ankle strategy.
-//! 3. *Weight shift* between two feet, for what goes along the line between them (unit n), see [`weight`]. Two legs and a
+//! 3. *Weight shift* between two feet, for what goes along the line between them (unit n). Two legs and a
 //!    pelvis are a parallelogram there: its springs and dampers would pull an unloaded foot along. So the
 //!    legs let the pelvis go (their goals and rates take on its own way along n) and answer through the
 //!    ground alone: centre of pressure `c + g_p e + g_d ė/ω₀` with gains of its own, and with it the
@@ -15,7 +15,7 @@
 //!    Pressure moves under both soles and between the feet in proportion, so that both come to their ends
 //!    together; stiffness and damping follow the load. The legs' own inertia is fed forward with the acceleration
 //!    the pelvis has: left out, it takes 40 mm from the pressure of a push to the side.
-//! 4. *Hip strategy*: where the pressure asked for lies beyond the support, the trunk leans, see [`hip`]. The goals lean with
+//! 4. *Hip strategy*: where the pressure asked for lies beyond the support, the trunk leans as a flywheel. The goals lean with
 //!    it, the pelvis moved so that the centre of mass stays; the ground takes the horizontal force −L̇/h.
 //! 5. *Ankle limit*: the torque of each ankle is limited so that its own centre of pressure stays
 //!    inside its sole; a stiff ankle would tip the foot.
