@@ -2,3 +2,4 @@
 
 mod edits_move_their_numbers;
 mod library;
+mod standing;
