@@ -86,7 +86,7 @@ pub struct BalanceSettings {
     /// Largest change of angular momentum to the side, N·m, > 0; a narrow stance takes less of it: too high throws the
     /// load from foot to foot.
     pub hip_side_moment_nm: f64,
-    /// Largest lean of the chest, rad, > 0; higher catches harder pushes, and looks it.
+    /// Lean of the chest at which it is stopped, rad, > 0, overshot by up to a quarter where nothing else is left; higher catches harder pushes, and looks it.
     pub hip_stroke_rad: f64,
     /// Part of the moment the lean is stopped with before its stroke ends, in (0, 1]; lower brakes sooner and softer.
     pub hip_brake: f64,
