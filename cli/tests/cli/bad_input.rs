@@ -156,7 +156,7 @@ fn disturbances_that_cannot_be() {
     for (tilt, words) in [
         ("tilt_deg: 45", ["tilt_deg is 45 °", "allowed: 0 to 30"]),
         ("tilt_deg: 5, towards_deg: 999", ["towards_deg is 999 °", "-360 to 360"]),
-        ("friction: 0.2", ["friction", "Duplicate"]),
+        ("friction: 0.2", ["`friction`", "duplicate"]),
     ] {
         let to = format!("world: (ground: Plane(friction: 0.8, {tilt})), settle_s: 0.2");
         bad_scene("settle_s: 0.2", &to, &words);
