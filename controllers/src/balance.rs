@@ -29,6 +29,7 @@ use motion::skeleton::{quat_at, vec_at};
 use motion::support::{Support, Vec2, ground};
 
 use crate::antagonist::SetPoints;
+use crate::Feed;
 use crate::support::{Foot, clamp_inside, polygon, shared_wrenches, shares};
 use crate::{Drive, Rest, rest_of};
 
@@ -107,6 +108,7 @@ pub struct Balance {
     feet: Vec<Foot>,
     plants: Vec<Plant>,
     integral: Vec2,
+    feed: Option<Feed>,
     state: State,
     tau: Vec<f64>,
     goal: Vec<f64>,
@@ -122,12 +124,19 @@ impl Balance {
             feet,
             plants,
             integral: Vec2::zeros(),
+            feed: None,
             state: State::new(model),
             tau: vec![0.0; model.nv()],
             goal: model.skeleton.zero_pose(),
             ahead: model.skeleton.zero_pose(),
             still: vec![0.0; model.nv()],
         }
+    }
+
+    /// What the goal's own motion needs of the ground in the next step; `None` for a goal that stands still or
+    /// moves slowly. Errors are then those to the moving goal.
+    pub fn follow(&mut self, feed: Option<Feed>) {
+        self.feed = feed;
     }
 
     /// Bodies of the legs it drives: thigh, shin, foot of each foot.
@@ -171,7 +180,8 @@ impl Balance {
         let g = model.gravity.norm();
         let omega = (g / (com.y - floor).max(0.2)).sqrt();
         let error = ground(&com) - ground(&wanted);
-        let rate = ground(&(momentum.linear / model.mass)) / omega;
+        let going = self.feed.map_or(Vec2::zeros(), |f| f.rate);
+        let rate = (ground(&(momentum.linear / model.mass)) - going) / omega;
 
         self.integral += error * (s.shift_rate * dt);
         self.integral = limit(self.integral, s.shift_limit_m);
@@ -189,7 +199,8 @@ impl Balance {
         let root = root + Vec3::new(shift.x, 0.0, shift.y);
         skeleton.set_position(&mut self.goal, 0, &root);
         plant(skeleton, &mut self.goal, &self.plants)?;
-        let going = along(ground(&vec_at(v, 0))) * (s.weight_yield * AHEAD);
+        let asked = if self.feed.is_some() { vec_at(goal_v, 0) } else { Vec3::zeros() };
+        let going = along(ground(&(vec_at(v, 0) - asked))) * (s.weight_yield * AHEAD);
         self.ahead.copy_from_slice(&self.goal);
         if line.is_some() {
             skeleton.set_position(&mut self.ahead, 0, &(root + Vec3::new(going.x, 0.0, going.y)));
@@ -198,14 +209,17 @@ impl Balance {
 
         // the legs carry the body as it stands
         let pressure = ground(&com)
+            + self.feed.map_or(Vec2::zeros(), |f| f.lead)
             + error * s.pressure
             + rate * s.pressure_damping
             + along(error) * (s.weight - s.pressure)
             + along(rate) * (s.weight_damping - s.pressure_damping);
         let pressure = clamp_inside(&support, pressure, s.margin_m);
         let force = (Vec3::y() * lift - model.gravity) * model.mass;
+        let force = self.feed.map_or(force, |f| f.force);
         let mut force = if force.y > 0.0 { force } else { Vec3::zeros() };
-        let thrust = along(ground(&com) - pressure) * (force.y * omega * omega / g);
+        let lead = self.feed.map_or(Vec2::zeros(), |f| f.lead);
+        let thrust = along(ground(&com) + lead - pressure) * (force.y * omega * omega / g);
         force += Vec3::new(thrust.x, 0.0, thrust.y);
         self.state.update(model, q, &self.still);
         let sharing = line.as_ref().map_or(pressure, |l| l.sharing(pressure));

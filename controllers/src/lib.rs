@@ -8,17 +8,21 @@
 //! | [`transition`] | gains along a transition |
 //! | [`drive`] | what a muscle pair asks of its joint in one step |
 //! | [`goal`] | the motion asked for, at the control rate |
+//! | [`feed`] | what a moving goal needs of the ground |
 //! | [`support`] | feet, and how they share the load |
 //! | [`posture`] | the pelvis shift that keeps a pose over its feet |
+//! | [`admissible`] | a path whose ground reaction stays inside its soles |
 //! | [`balance`] | the reactive property that keeps a body on its feet |
 //! | [`assist`] | a root wrench with a hard budget |
 //! | [`controller`] | all of them, step by step |
 
+pub mod admissible;
 pub mod antagonist;
 pub mod assist;
 pub mod balance;
 pub mod controller;
 pub mod drive;
+pub mod feed;
 pub mod goal;
 pub mod posture;
 pub mod stops;
@@ -30,6 +34,7 @@ pub use antagonist::{Antagonist, HoldError, SetPoints};
 pub use balance::{Balance, BalanceSettings};
 pub use controller::{Controller, Sagging, Setup};
 pub use drive::{Drive, Rest, rest_of};
+pub use feed::Feed;
 pub use goal::Goal;
 pub use tension::{Need, StanceLeg, TensionScale};
 pub use transition::GainBlend;

@@ -9,6 +9,7 @@
 //! | [`scene`] | a scene file, checked |
 //! | [`schema`] | its words |
 //! | [`stage`] | a scene or a clip, ready to be performed |
+//! | [`standing`] | the parts of a clip a body can perform on its own feet |
 //! | [`export`] | a body as MJCF |
 //! | [`inspect`] | what is in a file |
 //! | [`overrides`] | numbers of the dynamic pass given beside the file |
@@ -33,6 +34,7 @@ pub mod scene;
 pub mod schema;
 pub mod source_map;
 pub mod stage;
+pub mod standing;
 pub mod study;
 pub mod study_report;
 

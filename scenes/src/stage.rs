@@ -19,6 +19,7 @@ use dynamics::{Character, Model, RootMode, State};
 use edits::EditLog;
 use motion::format::bvh::{self, BvhFileError, ImportOptions, ImportReport};
 use motion::plant::{Plant, plant};
+use motion::stance::Stance;
 use motion::support::ground;
 use motion::{Clip, Kinematics, Shape, Tracks, Vec3};
 use sim::{Ground, Pass, PassError, Push};
@@ -26,6 +27,7 @@ use sim::{Ground, Pass, PassError, Push};
 use crate::overrides::Overrides;
 use crate::scene::{self, Physics, Scene};
 use crate::schema::StripRon;
+use crate::standing::{FRICTION, stance};
 use crate::{SceneError, character_file};
 
 /// Why nothing can be staged.
@@ -129,6 +131,8 @@ pub struct Stage {
     pub strip: StripRon,
     /// The clip behind it; `None` for a scene.
     pub clip: Option<ClipSource>,
+    /// Where the feet of a clip stand and step; `None` for a scene.
+    pub stance: Option<Stance>,
     /// Fraction of the frames that joint limits changed.
     pub clamped: f64,
 }
@@ -228,6 +232,7 @@ pub fn stage_scene(scene: Scene) -> Result<Stage, SceneError> {
         pushes: scene.pushes.clone(),
         strip: scene.strip,
         clip: None,
+        stance: None,
         clamped,
         character,
     })
@@ -270,9 +275,6 @@ impl Sampler<'_> {
     }
 }
 
-/// Window in which a clip's feet count as standing throughout, m.
-const STANDS: f64 = 0.05;
-
 fn stage_clip(path: &Path, body: Option<&Path>, import: &ImportOptions) -> Result<Stage, StageError> {
     let shown = path.display().to_string();
     let (clip, report) = bvh::read_file(path, import)?;
@@ -298,7 +300,7 @@ fn stage_clip(path: &Path, body: Option<&Path>, import: &ImportOptions) -> Resul
     }
     let name = path.file_stem().map_or_else(|| "clip".into(), |s| s.to_string_lossy().into_owned());
     let floor = floor(&character, &kinematic);
-    let plants = standing(&character, &kinematic);
+    let stance = stance(&character, &kinematic);
     let rate = clip.rate_hz;
     Ok(Stage {
         name,
@@ -306,7 +308,7 @@ fn stage_clip(path: &Path, body: Option<&Path>, import: &ImportOptions) -> Resul
         tracks: None,
         plain: None,
         log: EditLog::default(),
-        plants,
+        plants: Vec::new(),
         physics: Physics {
             // whole control steps per frame, near 240 Hz
             rate_hz: rate * (240.0 / rate).round().max(1.0),
@@ -315,13 +317,14 @@ fn stage_clip(path: &Path, body: Option<&Path>, import: &ImportOptions) -> Resul
             blend: controllers::GainBlend::RestAngle,
             root: RootMode::Pinned,
             gravity: Vec3::new(0.0, -9.81, 0.0),
-            ground: floor.map(|height_m| Ground { height_m, friction: 0.8 }),
+            ground: floor.map(|height_m| Ground { height_m, friction: FRICTION }),
         },
         pushes: Vec::new(),
         strip: StripRon::default(),
         clamped: clamped as f64 / kinematic.frames() as f64,
         kinematic,
         clip: Some(ClipSource { clip, map, import: report, body: guess }),
+        stance: Some(stance),
         character,
     })
 }
@@ -339,21 +342,6 @@ fn floor(character: &Character, clip: &Clip) -> Option<f64> {
     lowest.sort_by(f64::total_cmp);
     let height = lowest[lowest.len() / 50];
     height.is_finite().then_some(height)
-}
-
-/// Plants of a clip whose feet all stay where they are from beginning to end; else none.
-fn standing(character: &Character, clip: &Clip) -> Vec<Plant> {
-    let skeleton = &character.skeleton;
-    let legs: Vec<_> = character.legs().collect();
-    let first = Kinematics::new(skeleton, clip.pose(0));
-    let mut k = first.clone();
-    for f in 0..clip.frames() {
-        k.update(skeleton, clip.pose(f));
-        if legs.iter().any(|l| (k.origin(l.end) - first.origin(l.end)).norm() > STANDS) {
-            return Vec::new();
-        }
-    }
-    legs.iter().map(|l| Plant::here(skeleton, clip.pose(0), l)).collect()
 }
 
 impl Stage {
