@@ -30,7 +30,7 @@ use motion::support::{Support, Vec2, ground};
 
 use crate::antagonist::SetPoints;
 use crate::Feed;
-use crate::support::{Foot, clamp_inside, polygon, shared_wrenches, shares};
+use crate::support::{Foot, clamp_inside, polygon, pressed_wrenches, shared_wrenches, shares};
 use crate::{Drive, Rest, rest_of};
 
 /// Parameters of the balance property.
@@ -222,9 +222,14 @@ impl Balance {
         let thrust = along(ground(&com) + lead - pressure) * (force.y * omega * omega / g);
         force += Vec3::new(thrust.x, 0.0, thrust.y);
         self.state.update(model, q, &self.still);
-        let sharing = line.as_ref().map_or(pressure, |l| l.sharing(pressure));
-        let shares = shares(&centers, pressure + (sharing - pressure) * fade);
-        let loads = shared_wrenches(&self.feet, &centers, &shares, pressure, force);
+        let (shares, loads) = if self.feed.is_some() {
+            pressed_wrenches(&self.feet, model, &self.state, pressure, force)
+        } else {
+            let sharing = line.as_ref().map_or(pressure, |l| l.sharing(pressure));
+            let shares = shares(&centers, pressure + (sharing - pressure) * fade);
+            let loads = shared_wrenches(&self.feet, &centers, &shares, pressure, force);
+            (shares, loads)
+        };
         self.state.inverse_dynamics(model, &self.still, &self.still, &loads, &mut self.tau);
 
         for (f, foot) in self.feet.iter().enumerate() {
