@@ -5,7 +5,8 @@
 //! is judged by dynamics.
 //!
 //! *A foot steps* while the middle of its sole is faster than [`Settings::speed_m_s`] (the step begins and ends
-//! where it falls below half of that), or higher than [`Settings::lift_m`] above its usual height. A heel that
+//! where it falls below half of that), or higher than [`Settings::lift_m`] above the usual height of the lower
+//! foot. A heel that
 //! rises while the toes stay, a foot that turns under the body, a creeping sole do not step.
 //!
 //! *A span stands* if no foot steps in it, no sole strays further than [`Settings::stray_m`], and it lasts
@@ -40,7 +41,7 @@ impl Sole {
 pub struct Settings {
     /// Speed of a sole's middle that is a step, m/s; lower finds more steps.
     pub speed_m_s: f64,
-    /// Height above its usual one at which a sole has left the ground, m; lower finds more steps.
+    /// Height above the usual one of the lower foot at which a sole has left the ground, m; lower finds more steps.
     pub lift_m: f64,
     /// Furthest apart that one sole's places in a standing span are, along x or z, m; lower cuts sooner.
     pub stray_m: f64,
@@ -94,9 +95,10 @@ pub fn stance(clip: &Clip, soles: &[Sole], settings: &Settings) -> Stance {
     let usual: Vec<f64> = (0..soles.len())
         .map(|s| median((0..frames).filter(|&f| slow(s, f)).map(|f| centers[s][f].y).collect()))
         .collect();
+    let down = usual.iter().copied().fold(f64::INFINITY, f64::min);
     let steps: Vec<Vec<bool>> = (0..soles.len())
         .map(|s| {
-            let up = |f: usize| centers[s][f].y > usual[s] + settings.lift_m;
+            let up = |f: usize| centers[s][f].y > down + settings.lift_m;
             let seed: Vec<bool> = (0..frames).map(|f| speeds[s][f] > settings.speed_m_s || up(f)).collect();
             grown(&seed, |f| !slow(s, f))
         })

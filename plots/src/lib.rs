@@ -19,6 +19,7 @@
 //! | [`torque`] | torques of the joints that work hardest, over their noise |
 //! | [`energy`] | energies, and the power of the joints |
 //! | [`polar`] | push-recovery maps: impulse survived per direction, against the limit |
+//! | [`trade`] | tracking error against root wrench, per fidelity |
 //! | [`excerpt`] | a span of a trace, chosen joints |
 //! | [`camera`], [`solid`] | who looks at them, and how shapes become polygons |
 //! | [`panel`] | axes, curves, legends, pages of small multiples |
@@ -46,6 +47,7 @@ pub mod solid;
 pub mod strip;
 pub mod style;
 pub mod torque;
+pub mod trade;
 
 pub use angles::joint_angles;
 pub use balance::center_of_mass;
@@ -62,3 +64,4 @@ pub use polar::{Spoke, push_map};
 pub use residual::momentum_residual;
 pub use strip::{StripOptions, StripRow, film_strip, film_strip_with};
 pub use torque::joint_torques;
+pub use trade::{TradePoint, trade_off};

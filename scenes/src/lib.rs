@@ -13,6 +13,7 @@
 //! | [`export`] | a body as MJCF |
 //! | [`inspect`] | what is in a file |
 //! | [`overrides`] | numbers of the dynamic pass given beside the file |
+//! | [`pareto`] | the trade between fidelity and help from outside |
 //! | [`push`] | the push-recovery map of a standing body |
 //! | [`report`] | the numbers of a run |
 //! | [`study`] | a trace, clip or scene to be analysed and drawn |
@@ -28,6 +29,7 @@ pub mod error;
 pub mod export;
 pub mod inspect;
 pub mod overrides;
+pub mod pareto;
 pub mod push;
 pub mod report;
 pub mod scene;

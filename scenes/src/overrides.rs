@@ -6,7 +6,8 @@
 use std::ops::RangeInclusive;
 use std::str::FromStr;
 
-use dynamics::RootMode;
+use dynamics::{Character, RootMode};
+use motion::Kinematics;
 
 use crate::scene::Physics;
 
@@ -34,6 +35,27 @@ pub enum RootChoice {
     Assisted(Option<(f64, f64)>),
     /// The kinematic path: `pinned`.
     Pinned,
+    /// A wrench whose budget grows with a number from 0 to 1, see [`fidelity`].
+    Fidelity(f64),
+}
+
+/// The root at a fidelity `f` from 0 to 1: how much help from outside keeps it near its path.
+///
+/// At 0 it is free. Above, it is assisted by at most `f²` of the body weight, and by at most the moment of that
+/// force at the height `h` of the root above the soles in the rest pose, `f² m g h`: at 1 the help could
+/// carry the body, at 0.32 it is the 10 % of `assisted`. How the help pulls is in [`controllers::assist`].
+pub fn fidelity(f: f64, character: &Character, gravity: f64) -> RootMode {
+    let f = f.clamp(0.0, 1.0);
+    if f == 0.0 {
+        return RootMode::Free;
+    }
+    let skeleton = &character.skeleton;
+    let k = Kinematics::new(skeleton, &character.rest);
+    let sites = character.contacts.iter().map(|&c| &skeleton.sites()[c]).map(|s| k.point(s.link, &s.at).y);
+    let links = k.world.iter().map(|w| w.translation.y);
+    let lowest = sites.chain(links).fold(f64::INFINITY, f64::min);
+    let force_n = f * f * character.mass() * gravity;
+    RootMode::Assisted { force_n, moment_nm: force_n * (k.origin(0).y - lowest) }
 }
 
 /// A text that is no [`RootChoice`].
@@ -73,21 +95,36 @@ pub struct Overrides {
     pub rate_hz: Option<f64>,
     /// Engine substeps per control step.
     pub substeps: Option<usize>,
+    /// Part of a clip, from and to, s.
+    pub span_s: Option<(f64, f64)>,
+}
+
+/// Reads a part of a clip: `FROM..TO` in seconds.
+///
+/// # Errors
+/// What is allowed.
+pub fn span(text: &str) -> Result<(f64, f64), String> {
+    let number = |s: &str| s.trim().parse::<f64>().ok().filter(|x| (0.0..=1e6).contains(x));
+    let ends = text.split_once("..").and_then(|(a, b)| Some((number(a)?, number(b)?)));
+    ends.filter(|(a, b)| a < b).ok_or_else(|| "allowed: FROM..TO in seconds, FROM before TO, such as 2.5..7".into())
 }
 
 impl Overrides {
-    /// Changes `physics` for a body of `mass` kg. Numbers out of range are taken to its nearest end.
-    pub fn apply(&self, physics: &mut Physics, mass: f64) {
+    /// Changes `physics` for a body. Numbers out of range are taken to its nearest end.
+    pub fn apply(&self, physics: &mut Physics, character: &Character) {
         let clamp = |x: f64, range: RangeInclusive<f64>| x.clamp(*range.start(), *range.end());
         match self.root {
-            None => {}
+            None | Some(RootChoice::Fidelity(_)) => {}
             Some(RootChoice::Free) => physics.root = RootMode::Free,
             Some(RootChoice::Pinned) => physics.root = RootMode::Pinned,
             Some(RootChoice::Assisted(budget)) => {
-                let weight = mass * physics.gravity.norm();
+                let weight = character.mass() * physics.gravity.norm();
                 let (force_n, moment_nm) = budget.unwrap_or((ASSIST_WEIGHT * weight, ASSIST_MOMENT));
                 physics.root = RootMode::Assisted { force_n, moment_nm };
             }
+        }
+        if let Some(RootChoice::Fidelity(f)) = self.root {
+            physics.root = fidelity(f, character, physics.gravity.norm());
         }
         if let Some(factor) = self.tension {
             physics.tension = clamp(physics.tension * factor, TENSIONS);

@@ -18,7 +18,7 @@ use motion::{Curve, Dof, Joint, LimbKind, Value, Vec3};
 use sim::{Ground, Push};
 
 use crate::angle::quat_from_deg;
-use crate::overrides::{RATES, SUBSTEPS, TENSIONS};
+use crate::overrides::{RATES, SUBSTEPS, TENSIONS, fidelity};
 use crate::schema::*;
 use crate::{Angle, SceneError, Source, character_file};
 
@@ -166,6 +166,10 @@ impl Check<'_> {
         let root = match ron.root {
             RootRon::Free => RootMode::Free,
             RootRon::Pinned => RootMode::Pinned,
+            RootRon::Fidelity(f) => {
+                let gravity = self.vec3("world.gravity_m_s2", ron.world.gravity_m_s2)?.norm();
+                fidelity(self.within("root", f, 0.0, 1.0, "")?, self.character, gravity)
+            }
             RootRon::Assisted { force_n, moment_nm } => RootMode::Assisted {
                 force_n: self.within("root.force_n", force_n, 0.0, 1e6, "N")?,
                 moment_nm: self.within("root.moment_nm", moment_nm, 0.0, 1e6, "N·m")?,

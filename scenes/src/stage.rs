@@ -6,9 +6,10 @@
 //!
 //! ```text
 //! scene.ron ─→ tracks ─→ edits ─→ sampled, limits, feet planted, balanced ─→ Stage
-//! human.bvh ─→ clip ─→ body guessed or given ─→ limits ────────────────────→ Stage
+//! human.bvh ─→ clip ─→ body guessed or given ─→ limits, feet planted where it stands → Stage
 //! ```
 
+use std::ops::Range;
 use std::path::Path;
 use std::sync::Arc;
 
@@ -74,6 +75,26 @@ pub enum StageError {
         duration_s: f64,
         /// Frames or control steps per second, whichever are more.
         rate_hz: f64,
+    },
+    /// A span that is not in the clip.
+    #[error("{path}: no span {from}..{to} s; the clip lasts {duration_s:.3} s, and a span has at least two frames")]
+    Span {
+        /// The clip.
+        path: String,
+        /// Begin asked for, s.
+        from: f64,
+        /// End asked for, s.
+        to: f64,
+        /// Length of the clip, s.
+        duration_s: f64,
+    },
+    /// Legs that cannot be planted.
+    #[error("{path}: its feet cannot be planted: {source}\n  help: --root pinned performs it without the ground")]
+    Legs {
+        /// The clip.
+        path: String,
+        /// Why.
+        source: motion::ik::IkError,
     },
     /// Something else than a scene or clip.
     #[error("{0}: neither a scene (.ron) nor a clip (.bvh)")]
@@ -160,20 +181,44 @@ pub fn open_with(
     match kind.as_deref() {
         Some("ron") => {
             let mut scene = scene::read(path)?;
-            overrides.apply(&mut scene.physics, scene.character.mass());
+            overrides.apply(&mut scene.physics, &scene.character);
             Ok(stage_scene(scene)?)
         }
         Some("bvh") => {
             let mut stage = stage_clip(path, body, import)?;
-            overrides.apply(&mut stage.physics, stage.character.mass());
+            overrides.apply(&mut stage.physics, &stage.character.clone());
             let duration_s = stage.kinematic.duration_s();
             let rate_hz = stage.kinematic.rate_hz.max(stage.physics.rate_hz);
             if duration_s * rate_hz > MOST_STEPS {
                 return Err(StageError::Long { path: path.display().to_string(), duration_s, rate_hz });
             }
-            Ok(stage)
+            if let Some(span) = overrides.span_s {
+                stage = stage.cut(frames_of(span, &stage.kinematic, path)?);
+            }
+            stand_throughout(stage, path)
         }
         _ => Err(StageError::Kind(path.display().to_string())),
+    }
+}
+
+/// Frames of a span of time.
+fn frames_of((from, to): (f64, f64), clip: &Clip, path: &Path) -> Result<Range<usize>, StageError> {
+    let duration_s = clip.duration_s();
+    let frame = |t: f64| (t * clip.rate_hz).round() as usize;
+    if to > duration_s + 0.5 / clip.rate_hz || frame(to) <= frame(from) {
+        return Err(StageError::Span { path: path.display().to_string(), from, to, duration_s });
+    }
+    Ok(frame(from)..(frame(to) + 1).min(clip.frames()))
+}
+
+/// A clip that stands from beginning to end, its root not pinned, is performed on planted feet.
+fn stand_throughout(stage: Stage, path: &Path) -> Result<Stage, StageError> {
+    let Some(stance) = &stage.stance else { return Ok(stage) };
+    match &stance.spans[..] {
+        [span] if span.stands && stage.physics.root != RootMode::Pinned => stage
+            .stand(span, stance.ground_m)
+            .map_err(|source| StageError::Legs { path: path.display().to_string(), source }),
+        _ => Ok(stage),
     }
 }
 

@@ -5,20 +5,24 @@
 //!
 //! Captured feet creep, roll and hover by centimetres, and the sole guessed for them is tilted by a few degrees: a
 //! body set on them starts on an edge and falls. So over a standing span each sole is planted flat, at the
-//! mean of its places and headings; the root keeps its path, moved by the mean of what the soles were moved,
-//! and the legs are solved by IK. Nothing else of the motion changes.
+//! mean of its places and headings; the root keeps its path, moved by the mean of what the soles were moved; the
+//! legs are solved by IK. The motion is smoothed as inverse dynamics smooths it (`dynamics::analysis`), and where
+//! it still asks for a centre of pressure beyond the soles the root is moved until it does not
+//! (`controllers::admissible`). Nothing else of the motion changes.
 
 use std::ops::Range;
+use std::sync::Mutex;
 
 use controllers::admissible::admit;
 use controllers::support::Foot;
 use dynamics::analysis::{AnalysisOptions, strength};
-use dynamics::{Character, Model, State};
+use dynamics::{Character, Model, RootMode, State};
 use motion::ik::IkError;
 use motion::plant::{Plant, plant};
 use motion::stance::{self, Settings, Sole, Span, Stance};
 use motion::{Clip, Kinematics, Vec3};
-use sim::Ground;
+use rayon::prelude::*;
+use sim::{Ground, Outcome, PassError};
 
 use crate::Stage;
 
@@ -46,7 +50,58 @@ fn part(clip: &Clip, frames: Range<usize>) -> Clip {
     Clip::new(clip.skeleton.clone(), clip.rate_hz, clip.data()[frames.start * nq..frames.end * nq].to_vec())
 }
 
+/// A standing span, performed.
+pub struct Performed {
+    /// Which of the stance's spans.
+    pub span: usize,
+    /// Its stage.
+    pub stage: Stage,
+    /// What came of it.
+    pub outcome: Outcome,
+}
+
+/// Why the standing spans of a clip cannot be performed.
+#[derive(Debug, thiserror::Error)]
+pub enum StandingError {
+    /// Legs that two-bone IK cannot solve.
+    #[error(transparent)]
+    Legs(#[from] IkError),
+    /// The pass.
+    #[error(transparent)]
+    Pass(#[from] PassError),
+}
+
 impl Stage {
+    /// Whether this is a clip that stands on the ground free or assisted, but only in parts: they are performed each by
+    /// itself, see [`Stage::perform_standing`].
+    pub fn stands_in_parts(&self) -> bool {
+        let stands = |s: &Stance| s.standing().next().is_some();
+        self.physics.root == RootMode::Free && self.plants.is_empty() && self.stance.as_ref().is_some_and(stands)
+    }
+
+    /// Performs every standing span of a clip by itself, in parallel. Spans come in order; the same on any number of
+    /// threads.
+    ///
+    /// # Errors
+    /// Legs that cannot be solved, passes that cannot start.
+    pub fn perform_standing(&self, progress: &(dyn Fn(f64) + Sync)) -> Result<Vec<Performed>, StandingError> {
+        let Some(stance) = &self.stance else { return Ok(Vec::new()) };
+        let standing: Vec<(usize, &Span)> = stance.spans.iter().enumerate().filter(|(_, s)| s.stands).collect();
+        let frames: usize = standing.iter().map(|(_, s)| s.frames.len()).sum();
+        let done = Mutex::new(vec![0.0; standing.len()]);
+        let one = |(i, (span, of)): (usize, &(usize, &Span))| {
+            let stage = self.stand(of, stance.ground_m)?;
+            let outcome = stage.perform(&mut |x| {
+                if let Ok(mut done) = done.lock() {
+                    done[i] = x * of.frames.len() as f64 / frames as f64;
+                    progress(done.iter().sum());
+                }
+            })?;
+            Ok(Performed { span: *span, stage, outcome })
+        };
+        standing.par_iter().enumerate().map(one).collect()
+    }
+
     /// The same stage of some frames of its clip only. A scene is left whole: its script has no frames.
     ///
     /// # Panics
@@ -97,9 +152,7 @@ impl Stage {
         let strength = strength(&model, &mut State::new(&model), &stage.kinematic, &AnalysisOptions::default());
         stage.kinematic = motion::smooth::smooth_at(&stage.kinematic, strength).clip;
         let feet = Foot::of(&stage.character, &model);
-        if std::env::var("NOADMIT").is_err() {
-        let m = admit(&model, &mut stage.kinematic, &feet, &plants, ground_m, MARGIN)?;
-        eprintln!("cutoff {:.1} moved {m:.4}", strength.cutoff_hz); }
+        admit(&model, &mut stage.kinematic, &feet, &plants, ground_m, MARGIN)?;
         stage.physics.ground = Some(Ground { height_m: ground_m, friction: FRICTION });
         stage.plants = plants;
         stage.stance = Some(Stance {
