@@ -35,7 +35,7 @@ const ABOVE: f64 = 1.25;
 pub fn trade_off(points: &[TradePoint], note: &str) -> Figure {
     let keys = [
         Key::dot("stands", BLUE),
-        Key::dot("fell (its error is beyond the axis)", VERMILION),
+        Key::dot("fell (at the top if further off)", VERMILION),
         Key::dashed("force allowed", SOFT),
         Key::line("force used, peak", GREEN),
         Key::line("force used, RMS", INK),

@@ -22,6 +22,8 @@ pub const SUBSTEPS: RangeInclusive<usize> = 1..=64;
 const ASSIST_WEIGHT: f64 = 0.1;
 /// Default moment of an assisted root, N·m.
 const ASSIST_MOMENT: f64 = 50.0;
+/// Factor on every tension at fidelity 1.
+const STIFFEST: f64 = 4.0;
 /// Largest budget of an assisted root, N and N·m.
 const BUDGETS: RangeInclusive<f64> = 0.0..=1e6;
 
@@ -35,27 +37,30 @@ pub enum RootChoice {
     Assisted(Option<(f64, f64)>),
     /// The kinematic path: `pinned`.
     Pinned,
-    /// A wrench whose budget grows with a number from 0 to 1, see [`fidelity`].
+    /// A wrench whose budget grows with a number from 0 to 1, see [`set_fidelity`].
     Fidelity(f64),
 }
 
-/// The root at a fidelity `f` from 0 to 1: how much help from outside keeps it near its path.
+/// Sets a fidelity `f` from 0 to 1: how closely the motion asked for is to be followed, whatever it costs.
 ///
-/// At 0 it is free. Above, it is assisted by at most `f²` of the body weight, and by at most the moment of that
-/// force at the height `h` of the root above the soles in the rest pose, `f² m g h`: at 1 the help could
-/// carry the body, at 0.32 it is the 10 % of `assisted`. How the help pulls is in [`controllers::assist`].
-pub fn fidelity(f: f64, character: &Character, gravity: f64) -> RootMode {
+/// At 0 nothing changes but that the root is free. Above, the root is assisted by at most `f²` of the body weight, and
+/// by at most the moment of that force at the height `h` of the root above the soles in the rest pose, `f² m g h`: at
+/// 1 the help could carry the body, at 0.32 it is the 10 % of `assisted`; how it pulls is in
+/// [`controllers::assist`]. And all tensions are multiplied by `4^f`.
+pub fn set_fidelity(physics: &mut Physics, f: f64, character: &Character) {
     let f = f.clamp(0.0, 1.0);
-    if f == 0.0 {
-        return RootMode::Free;
+    physics.tension *= STIFFEST.powf(f);
+    physics.root = RootMode::Free;
+    if f > 0.0 {
+        let skeleton = &character.skeleton;
+        let k = Kinematics::new(skeleton, &character.rest);
+        let sites = character.contacts.iter().map(|&c| &skeleton.sites()[c]);
+        let sites = sites.map(|s| k.point(s.link, &s.at).y);
+        let links = k.world.iter().map(|w| w.translation.y);
+        let lowest = sites.chain(links).fold(f64::INFINITY, f64::min);
+        let force_n = f * f * character.mass() * physics.gravity.norm();
+        physics.root = RootMode::Assisted { force_n, moment_nm: force_n * (k.origin(0).y - lowest) };
     }
-    let skeleton = &character.skeleton;
-    let k = Kinematics::new(skeleton, &character.rest);
-    let sites = character.contacts.iter().map(|&c| &skeleton.sites()[c]).map(|s| k.point(s.link, &s.at).y);
-    let links = k.world.iter().map(|w| w.translation.y);
-    let lowest = sites.chain(links).fold(f64::INFINITY, f64::min);
-    let force_n = f * f * character.mass() * gravity;
-    RootMode::Assisted { force_n, moment_nm: force_n * (k.origin(0).y - lowest) }
 }
 
 /// A text that is no [`RootChoice`].
@@ -124,7 +129,7 @@ impl Overrides {
             }
         }
         if let Some(RootChoice::Fidelity(f)) = self.root {
-            physics.root = fidelity(f, character, physics.gravity.norm());
+            set_fidelity(physics, f, character);
         }
         if let Some(factor) = self.tension {
             physics.tension = clamp(physics.tension * factor, TENSIONS);

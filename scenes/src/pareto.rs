@@ -1,6 +1,6 @@
 //! The trade between fidelity and help: the same motion under assists of growing budget.
 //!
-//! In: a [`Stage`] and fidelities. Out: a [`Pareto`]: per fidelity what the assist did and how far the motion
+//! In: a [`Stage`] (its own tension, before any fidelity) and fidelities. Out: a [`Pareto`]: per fidelity what the assist did and how far the motion
 //! performed is from the one asked for. Each run is by itself: the same on any number of threads.
 //!
 //! A point is *efficient* if no other that stands needs less force (RMS) and follows as closely.
@@ -12,7 +12,7 @@ use rayon::prelude::*;
 use serde::Serialize;
 use sim::PassError;
 
-use crate::overrides::fidelity;
+use crate::overrides::set_fidelity;
 use crate::report::{DynamicReport, Report};
 use crate::{RootMode, Stage};
 
@@ -126,9 +126,10 @@ pub fn pareto(
     fidelities.dedup();
     let done = Mutex::new(vec![0.0; fidelities.len()]);
     let run = |(i, &f): (usize, &f64)| {
-        let root = fidelity(f, &stage.character, stage.physics.gravity.norm());
         let mut stage = stage.clone();
-        stage.physics.root = root;
+        let character = stage.character.clone();
+        set_fidelity(&mut stage.physics, f, &character);
+        let root = stage.physics.root;
         let outcome = stage.perform(&mut |x| {
             if let Ok(mut done) = done.lock() {
                 done[i] = x / fidelities.len() as f64;

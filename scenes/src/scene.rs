@@ -18,7 +18,7 @@ use motion::{Curve, Dof, Joint, LimbKind, Value, Vec3};
 use sim::{Ground, Push};
 
 use crate::angle::quat_from_deg;
-use crate::overrides::{RATES, SUBSTEPS, TENSIONS, fidelity};
+use crate::overrides::{RATES, SUBSTEPS, TENSIONS, set_fidelity};
 use crate::schema::*;
 use crate::{Angle, SceneError, Source, character_file};
 
@@ -166,16 +166,13 @@ impl Check<'_> {
         let root = match ron.root {
             RootRon::Free => RootMode::Free,
             RootRon::Pinned => RootMode::Pinned,
-            RootRon::Fidelity(f) => {
-                let gravity = self.vec3("world.gravity_m_s2", ron.world.gravity_m_s2)?.norm();
-                fidelity(self.within("root", f, 0.0, 1.0, "")?, self.character, gravity)
-            }
             RootRon::Assisted { force_n, moment_nm } => RootMode::Assisted {
                 force_n: self.within("root.force_n", force_n, 0.0, 1e6, "N")?,
                 moment_nm: self.within("root.moment_nm", moment_nm, 0.0, 1e6, "N·m")?,
             },
+            RootRon::Fidelity(_) => RootMode::Free, // set below, with what it needs to know
         };
-        Ok(Physics {
+        let mut physics = Physics {
             rate_hz,
             substeps: p.substeps,
             tension,
@@ -186,7 +183,11 @@ impl Check<'_> {
             root,
             gravity: self.vec3("world.gravity_m_s2", ron.world.gravity_m_s2)?,
             ground,
-        })
+        };
+        if let RootRon::Fidelity(f) = ron.root {
+            set_fidelity(&mut physics, self.within("root", f, 0.0, 1.0, "")?, self.character);
+        }
+        Ok(physics)
     }
 
     fn script(&self, ron: &SceneRon) -> Result<Script, SceneError> {

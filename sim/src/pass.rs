@@ -7,7 +7,7 @@
 use std::sync::Arc;
 use std::time::Instant;
 
-use controllers::assist::{self, Budget};
+use controllers::assist::{Assist, Budget};
 use controllers::stops::STIFFNESS_RATIO;
 use controllers::{Controller, Sagging, Setup};
 use dynamics::{Character, ContactSample, RootMode, State, Trace, Wrench};
@@ -144,12 +144,19 @@ impl Pass {
         state.update(&controller.model, world.q(), world.v());
         let mut recorder = Recorder::new(&character, &settings, root, self.ground, &controller);
         recorder.record(&state, &world, &controller, 0, None);
+        let assist = match root {
+            RootMode::Assisted { force_n, moment_nm } => {
+                Some(Assist::new(&controller.model, Budget { force_n, moment_nm }))
+            }
+            RootMode::Free | RootMode::Pinned => None,
+        };
         Ok(Run {
             controller,
             world,
             recorder,
             state,
             root,
+            assist,
             pushes: self.pushes,
             row: 0,
             fell_s: None,
@@ -166,6 +173,7 @@ pub struct Run<E: Engine = World> {
     recorder: Recorder,
     state: State,
     root: RootMode,
+    assist: Option<Assist>,
     pushes: Vec<Push>,
     row: usize,
     fell_s: Option<f64>,
@@ -223,14 +231,14 @@ impl<E: Engine> Run<E> {
         let mut held = None;
         match self.root {
             RootMode::Free => {}
-            RootMode::Assisted { force_n, moment_nm } => {
-                let budget = Budget { force_n, moment_nm };
-                let goal = controller.goal();
-                let to = (goal.pose(row), goal.velocity(row));
-                let now = (world.q(), world.v());
-                let w = assist::wrench(&controller.model, state, budget, now, to);
-                world.add_wrench(&w);
-                held = Some(w);
+            RootMode::Assisted { .. } => {
+                if let Some(assist) = &mut self.assist {
+                    let goal = controller.goal();
+                    let to = (goal.pose(row), goal.velocity(row));
+                    let w = assist.wrench(&controller.model, state, world.q(), to);
+                    world.add_wrench(&w);
+                    held = Some(w);
+                }
             }
             RootMode::Pinned => world.move_root(state, controller.goal().pose(row)),
         }
