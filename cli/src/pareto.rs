@@ -93,7 +93,9 @@ fn write(out: &mut String, curve: &Pareto, dir: &Path) -> std::fmt::Result {
     let stand = curve.points.iter().filter(|p| p.stands());
     let first = stand.map(|p| p.fidelity).next();
     match first {
-        Some(0.0) => writeln!(out, "{}: stands free; help from outside only brings it closer\n", curve.scene)?,
+        Some(0.0) => {
+            writeln!(out, "{}: stands free; help from outside only brings it closer\n", curve.scene)?
+        }
         Some(f) => writeln!(out, "{}: stands from fidelity {} on\n", curve.scene, number(f))?,
         None => writeln!(out, "{}: THE BODY FELL at every fidelity\n", curve.scene)?,
     }

@@ -96,7 +96,8 @@ fn render_parts(
         std::fs::create_dir(&inner.dir).map_err(|e| cannot_write(&name, &e))?;
         inner.fill(&part.stage, Some(&part.outcome), args, &mut progress)?;
         inner.finish(&mut Report::new(&part.stage, Some(&part.outcome)))?;
-        let files = inner.files.iter().map(|(what, file)| (format!("{name}_{what}"), format!("{name}/{file}")));
+        let files =
+            inner.files.iter().map(|(what, file)| (format!("{name}_{what}"), format!("{name}/{file}")));
         folder.files.extend(files);
     }
     folder.finish(&mut report)?;

@@ -103,8 +103,12 @@ fn parts(report: &Report) -> Option<String> {
     let spans = if n == 1 { "its standing span" } else { "standing spans" };
     match (n, failed, fell) {
         (0, ..) => None,
-        (_, 0, 0) if n == 1 => Some(format!("{name}: {spans} performed, the body stands; where it steps it is not")),
-        (_, 0, 0) => Some(format!("{name}: {n} {spans} performed, the body stands in all; where it steps it is not")),
+        (_, 0, 0) if n == 1 => {
+            Some(format!("{name}: {spans} performed, the body stands; where it steps it is not"))
+        }
+        (_, 0, 0) => {
+            Some(format!("{name}: {n} {spans} performed, the body stands in all; where it steps it is not"))
+        }
         (_, 0, _) => Some(format!("{name}: THE BODY FELL in {fell} of {n} {spans}")),
         _ => Some(format!("{name}: FAILED in {failed} of {n} {spans}")),
     }
@@ -141,7 +145,11 @@ fn spans(out: &mut String, report: &Report) -> std::fmt::Result {
     }
     let falls = report.dynamic.as_ref().is_some_and(|d| d.root.mode == "free");
     if falls && !spans.iter().any(|s| s.stands) {
-        line(out, "", "it stands nowhere, and a free root has no steps of its own: --root assisted or pinned holds it")?;
+        line(
+            out,
+            "",
+            "it stands nowhere, and a free root has no steps of its own: --root assisted or pinned holds it",
+        )?;
     }
     Ok(())
 }

@@ -61,7 +61,8 @@ impl Assist {
         let inertia = state.composites(model)[0].2;
         let Budget { force_n, moment_nm } = self.budget;
         let omega = (force_n / (REACH_M * model.mass.max(1e-9))).sqrt().min(FASTEST);
-        let pull = (to.com - now.com) * (model.mass * omega * omega) + (to.linear - now.linear) * (2.0 * omega);
+        let pull =
+            (to.com - now.com) * (model.mass * omega * omega) + (to.linear - now.linear) * (2.0 * omega);
         let turning = log(&(quat_at(goal_q, at + 3) * quat_at(q, at + 3).inverse()));
         let largest = inertia.symmetric_eigenvalues().max().max(1e-9);
         let omega = (moment_nm / (REACH_RAD * largest)).sqrt().min(FASTEST);

@@ -13,6 +13,8 @@
 //! | [`posture`] | the pelvis shift that keeps a pose over its feet |
 //! | [`admissible`] | a path whose ground reaction stays inside its soles |
 //! | [`balance`] | the reactive property that keeps a body on its feet |
+//! | [`reactive`] | the trait of properties that read the state every step |
+//! | [`gaze`] | one that keeps the eyes on a point |
 //! | [`assist`] | a root wrench with a hard budget |
 //! | [`controller`] | all of them, step by step |
 
@@ -23,8 +25,10 @@ pub mod balance;
 pub mod controller;
 pub mod drive;
 pub mod feed;
+pub mod gaze;
 pub mod goal;
 pub mod posture;
+pub mod reactive;
 pub mod stops;
 pub mod support;
 pub mod tension;
@@ -35,6 +39,8 @@ pub use balance::{Balance, BalanceSettings};
 pub use controller::{Controller, Sagging, Setup};
 pub use drive::{Drive, Rest, rest_of};
 pub use feed::Feed;
+pub use gaze::{Gaze, GazeError, GazeSettings, Sight};
 pub use goal::Goal;
+pub use reactive::{Moment, Reactive};
 pub use tension::{Need, StanceLeg, TensionScale};
 pub use transition::GainBlend;

@@ -110,8 +110,11 @@ pub fn stance(clip: &Clip, soles: &[Sole], settings: &Settings) -> Stance {
         let end = standing_until(f, &centers, &steps, settings.stray_m);
         let stands = !soles.is_empty() && (end.max(f + 1) - 1 - f) as f64 >= settings.least_s * clip.rate_hz;
         let end = if stands { end } else { (f + 1).max(end) };
-        let stepping: Vec<usize> =
-            if stands { Vec::new() } else { (0..soles.len()).filter(|&s| steps[s][f..end].contains(&true)).collect() };
+        let stepping: Vec<usize> = if stands {
+            Vec::new()
+        } else {
+            (0..soles.len()).filter(|&s| steps[s][f..end].contains(&true)).collect()
+        };
         match spans.last_mut() {
             Some(last) if !last.stands && !stands => {
                 last.frames.end = end;
@@ -141,8 +144,10 @@ pub fn stance(clip: &Clip, soles: &[Sole], settings: &Settings) -> Stance {
 /// First frame after `from` at which a foot steps or has strayed.
 fn standing_until(from: usize, centers: &[Vec<Vec3>], steps: &[Vec<bool>], stray: f64) -> usize {
     let frames = steps.first().map_or(0, Vec::len);
-    let mut boxes: Vec<[f64; 4]> =
-        centers.iter().map(|_| [f64::INFINITY, f64::NEG_INFINITY, f64::INFINITY, f64::NEG_INFINITY]).collect();
+    let mut boxes: Vec<[f64; 4]> = centers
+        .iter()
+        .map(|_| [f64::INFINITY, f64::NEG_INFINITY, f64::INFINITY, f64::NEG_INFINITY])
+        .collect();
     for f in from..frames {
         for (s, b) in boxes.iter_mut().enumerate() {
             let c = &centers[s][f];
@@ -171,8 +176,11 @@ pub fn place(clip: &Clip, sole: &Sole, frames: Range<usize>, ground_m: f64) -> T
     let mean = exp(&turn) * reference;
     // corners in the frame of the planted link: links of one sole do not move against each other
     let from_world = k.world[sole.link].inverse();
-    let corners: Vec<Vec3> =
-        sole.corners.iter().map(|(l, at)| (from_world * k.world[*l]).transform_point(&(*at).into()).coords).collect();
+    let corners: Vec<Vec3> = sole
+        .corners
+        .iter()
+        .map(|(l, at)| (from_world * k.world[*l]).transform_point(&(*at).into()).coords)
+        .collect();
     let rotation = match normal(&corners) {
         Some(normal) => {
             let up = mean * normal;
@@ -242,4 +250,115 @@ fn grown(seed: &[bool], on: impl Fn(usize) -> bool) -> Vec<bool> {
 fn median(mut x: Vec<f64>) -> f64 {
     x.sort_by(f64::total_cmp);
     x.get(x.len() / 2).copied().unwrap_or(0.0)
+}
+
+#[cfg(test)]
+mod tests {
+    use std::sync::Arc;
+
+    use super::*;
+    use crate::{Joint, Link, Skeleton};
+
+    const RATE: f64 = 60.0;
+
+    /// A root with two feet that slide along z and up, and their soles: 0.1 × 0.25 m, 0.08 m below their links.
+    fn feet() -> (Arc<Skeleton>, Vec<Sole>) {
+        let mut links = vec![Link::new("root", None, Vec3::zeros(), Joint::Free)];
+        let mut soles = Vec::new();
+        for x in [0.1, -0.1] {
+            let along = links.len();
+            links.push(Link::new(format!("along{x}"), Some(0), Vec3::x() * x, Joint::Prismatic(Vec3::z())));
+            links.push(Link::new(format!("up{x}"), Some(along), Vec3::zeros(), Joint::Prismatic(Vec3::y())));
+            let corner = |dx: f64, dz: f64| (along + 1, Vec3::new(dx, -0.08, dz));
+            let corners =
+                vec![corner(-0.05, -0.07), corner(0.05, -0.07), corner(-0.05, 0.18), corner(0.05, 0.18)];
+            soles.push(Sole { link: along + 1, corners });
+        }
+        (Arc::new(Skeleton::new(links).unwrap()), soles)
+    }
+
+    /// A clip whose feet are `(z, height)` at a time; left first.
+    fn clip(seconds: f64, at: impl Fn(f64) -> [(f64, f64); 2]) -> (Clip, Vec<Sole>) {
+        let (s, soles) = feet();
+        let mut q = Vec::new();
+        for f in 0..=(seconds * RATE) as usize {
+            let mut pose = s.zero_pose();
+            for (side, (z, up)) in at(f as f64 / RATE).into_iter().enumerate() {
+                pose[s.q_at(2 * side + 1)] = z;
+                pose[s.q_at(2 * side + 2)] = up + 0.08;
+            }
+            q.extend(pose);
+        }
+        (Clip::new(s, RATE, q), soles)
+    }
+
+    /// A step of 0.3 m and 0.1 m high from `t` = 0 to 0.5 s.
+    fn step(t: f64) -> (f64, f64) {
+        let u = (t / 0.5).clamp(0.0, 1.0);
+        (0.3 * u * u * (3.0 - 2.0 * u), 0.1 * (std::f64::consts::PI * u).sin())
+    }
+
+    /// Two seconds of standing, a step of the left foot, 2.5 s of standing: found to a tenth of a second, and the
+    /// spans cover the clip.
+    #[test]
+    fn a_step_cuts_a_clip_in_three() {
+        let (clip, soles) = clip(5.0, |t| [step(t - 2.0), (0.0, 0.0)]);
+        let found = stance(&clip, &soles, &Settings::default());
+        let spans = &found.spans;
+        assert_eq!(spans.iter().map(|s| s.stands).collect::<Vec<_>>(), [true, false, true], "{spans:?}");
+        assert_eq!(spans[1].stepping, [0]);
+        assert!(
+            spans[1].frames.start.abs_diff(120) <= 6 && spans[1].frames.end.abs_diff(150) <= 6,
+            "{spans:?}"
+        );
+        assert!(spans.windows(2).all(|w| w[0].frames.end == w[1].frames.start));
+        assert_eq!((spans[0].frames.start, spans[2].frames.end), (0, clip.frames()));
+        assert!(found.ground_m.abs() < 1e-12, "{}", found.ground_m);
+    }
+
+    /// Standing that is shorter than asked belongs to the steps around it.
+    #[test]
+    fn a_short_stop_is_no_stand() {
+        let (clip, soles) = clip(3.0, |t| [step(t - 0.5), step(t - 2.0)]);
+        let found = stance(&clip, &soles, &Settings::default());
+        assert_eq!(found.spans.len(), 1);
+        assert_eq!((found.spans[0].stands, &found.spans[0].stepping[..]), (false, &[0, 1][..]));
+    }
+
+    /// A foot held in the air does not stand, however still; a slow creep is cut where it has gone too far.
+    #[test]
+    fn a_raised_foot_and_a_creeping_one() {
+        let (raised, soles) = clip(4.0, |_| [(0.0, 0.2), (0.0, 0.0)]);
+        assert_eq!(stance(&raised, &soles, &Settings::default()).standing().count(), 0);
+        let (creeping, soles) = clip(6.0, |t| [(0.03 * t, 0.0), (0.0, 0.0)]);
+        let found = stance(&creeping, &soles, &Settings::default());
+        assert_eq!(found.standing().count(), 2, "{:?}", found.spans);
+        assert_eq!(stance(&creeping, &[], &Settings::default()).standing().count(), 0);
+    }
+
+    /// A sole that leans is planted level, at the mean of its places, with its heading; all corners on the ground.
+    #[test]
+    fn a_leaning_sole_is_planted_flat() {
+        let (mut clip, soles) = clip(1.0, |t| [(0.02 * t, 0.0), (0.0, 0.0)]);
+        let skeleton = clip.skeleton.clone();
+        let lean = exp(&(Vec3::y() * 0.4)) * exp(&Vec3::new(0.1, 0.0, -0.15));
+        for f in 0..clip.frames() {
+            skeleton.set_rotation(clip.pose_mut(f), 0, &lean);
+        }
+        let place = place(&clip, &soles[0], 0..clip.frames(), 0.3);
+        for (_, at) in &soles[0].corners {
+            let y = place.transform_point(&(*at).into()).y;
+            assert!((y - 0.3).abs() < 1e-9, "{y}"); // 1e-16 seen
+        }
+        let front = place.rotation * Vec3::z();
+        assert!((front.x.atan2(front.z) - 0.4).abs() < 0.03, "{front}");
+        let mean: Vec3 = (0..clip.frames())
+            .map(|f| soles[0].center(&Kinematics::new(&skeleton, clip.pose(f))))
+            .sum::<Vec3>()
+            / clip.frames() as f64;
+        let middle =
+            soles[0].corners.iter().map(|(_, at)| place.transform_point(&(*at).into()).coords).sum::<Vec3>()
+                / 4.0;
+        assert!((middle - mean).xz().norm() < 1e-9, "{middle} {mean}");
+    }
 }

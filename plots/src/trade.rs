@@ -51,7 +51,11 @@ pub fn trade_off(points: &[TradePoint], note: &str) -> Figure {
 /// Worst value among the runs that stand; of all where none does.
 fn worst(points: &[TradePoint], of: impl Fn(&TradePoint) -> f64) -> f64 {
     let standing = points.iter().filter(|p| p.stands).map(&of).filter(|x| x.is_finite()).fold(0.0, f64::max);
-    if standing > 0.0 { standing } else { points.iter().map(of).filter(|x| x.is_finite()).fold(1e-3, f64::max) }
+    if standing > 0.0 {
+        standing
+    } else {
+        points.iter().map(of).filter(|x| x.is_finite()).fold(1e-3, f64::max)
+    }
 }
 
 fn curve(points: &[TradePoint], title: &str, unit: &str, of: impl Fn(&TradePoint) -> f64 + Copy) -> Panel {
@@ -119,11 +123,7 @@ fn curve_over_fidelity(points: &[TradePoint]) -> Panel {
         y_label: "degrees, RMS".into(),
         series: vec![
             Series { points: standing, color: BLUE, width: 1.7, stroke: Stroke::Solid },
-            frame(
-                points.first().map_or(0.0, |p| p.fidelity),
-                points.last().map_or(1.0, |p| p.fidelity),
-                0.0,
-            ),
+            frame(points.first().map_or(0.0, |p| p.fidelity), points.last().map_or(1.0, |p| p.fidelity), 0.0),
         ],
         dots: dots(points, at),
         ..Panel::default()

@@ -111,7 +111,8 @@ pub struct Overrides {
 pub fn span(text: &str) -> Result<(f64, f64), String> {
     let number = |s: &str| s.trim().parse::<f64>().ok().filter(|x| (0.0..=1e6).contains(x));
     let ends = text.split_once("..").and_then(|(a, b)| Some((number(a)?, number(b)?)));
-    ends.filter(|(a, b)| a < b).ok_or_else(|| "allowed: FROM..TO in seconds, FROM before TO, such as 2.5..7".into())
+    ends.filter(|(a, b)| a < b)
+        .ok_or_else(|| "allowed: FROM..TO in seconds, FROM before TO, such as 2.5..7".into())
 }
 
 impl Overrides {

@@ -77,7 +77,9 @@ pub enum StageError {
         rate_hz: f64,
     },
     /// A span that is not in the clip.
-    #[error("{path}: no span {from}..{to} s; the clip lasts {duration_s:.3} s, and a span has at least two frames")]
+    #[error(
+        "{path}: no span {from}..{to} s; the clip lasts {duration_s:.3} s, and a span has at least two frames"
+    )]
     Span {
         /// The clip.
         path: String,
@@ -89,7 +91,9 @@ pub enum StageError {
         duration_s: f64,
     },
     /// Legs that cannot be planted.
-    #[error("{path}: its feet cannot be planted: {source}\n  help: --root pinned performs it without the ground")]
+    #[error(
+        "{path}: its feet cannot be planted: {source}\n  help: --root pinned performs it without the ground"
+    )]
     Legs {
         /// The clip.
         path: String,
@@ -416,6 +420,7 @@ impl Stage {
                 ground_m: if held { None } else { p.ground.map(|g| g.height_m) },
                 balance: BalanceSettings::default(),
                 blend: p.blend,
+                reactive: Vec::new(),
             },
             substeps: p.substeps,
             root: p.root,

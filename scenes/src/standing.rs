@@ -76,7 +76,9 @@ impl Stage {
     /// itself, see [`Stage::perform_standing`].
     pub fn stands_in_parts(&self) -> bool {
         let stands = |s: &Stance| s.standing().next().is_some();
-        self.physics.root == RootMode::Free && self.plants.is_empty() && self.stance.as_ref().is_some_and(stands)
+        self.physics.root == RootMode::Free
+            && self.plants.is_empty()
+            && self.stance.as_ref().is_some_and(stands)
     }
 
     /// Performs every standing span of a clip by itself, in parallel. Spans come in order; the same on any number of
@@ -86,7 +88,8 @@ impl Stage {
     /// Legs that cannot be solved, passes that cannot start.
     pub fn perform_standing(&self, progress: &(dyn Fn(f64) + Sync)) -> Result<Vec<Performed>, StandingError> {
         let Some(stance) = &self.stance else { return Ok(Vec::new()) };
-        let standing: Vec<(usize, &Span)> = stance.spans.iter().enumerate().filter(|(_, s)| s.stands).collect();
+        let standing: Vec<(usize, &Span)> =
+            stance.spans.iter().enumerate().filter(|(_, s)| s.stands).collect();
         let frames: usize = standing.iter().map(|(_, s)| s.frames.len()).sum();
         let done = Mutex::new(vec![0.0; standing.len()]);
         let one = |(i, (span, of)): (usize, &(usize, &Span))| {
@@ -135,7 +138,10 @@ impl Stage {
         for (_, sole) in &soles {
             let limb = limbs.iter().find(|l| l.end == sole.link).expect("soles are of limbs");
             let world_from_end = stance::place(&stage.kinematic, sole, whole.clone(), ground_m);
-            let mean: Vec3 = whole.clone().map(|f| sole.center(&Kinematics::new(&skeleton, stage.kinematic.pose(f)))).sum();
+            let mean: Vec3 = whole
+                .clone()
+                .map(|f| sole.center(&Kinematics::new(&skeleton, stage.kinematic.pose(f))))
+                .sum();
             let k = Kinematics::new(&skeleton, stage.kinematic.pose(0));
             let from_end = world_from_end * k.world[sole.link].inverse();
             let placed = from_end.transform_point(&sole.center(&k).into()).coords;
@@ -149,7 +155,8 @@ impl Stage {
             plant(&skeleton, q, &plants)?;
         }
         let model = Model::new(&stage.character, stage.physics.gravity);
-        let strength = strength(&model, &mut State::new(&model), &stage.kinematic, &AnalysisOptions::default());
+        let strength =
+            strength(&model, &mut State::new(&model), &stage.kinematic, &AnalysisOptions::default());
         stage.kinematic = motion::smooth::smooth_at(&stage.kinematic, strength).clip;
         let feet = Foot::of(&stage.character, &model);
         admit(&model, &mut stage.kinematic, &feet, &plants, ground_m, MARGIN)?;

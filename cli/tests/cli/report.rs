@@ -33,8 +33,9 @@ fn the_document_names_every_field() {
     let mut fields = BTreeSet::new();
     let clip = place.clip("", "");
     let scene = place.scene("settle_s: 0.2", "settle_s: 0.2, physics: (tension: 0.05)");
-    for input in [scene, clip] {
-        let done = place.render(&input, &["--json"]);
+    // an assisted root has a budget
+    for (input, root) in [(scene.clone(), "free"), (scene, "assisted"), (clip, "pinned")] {
+        let done = place.render(&input, &["--json", "--root", root]);
         assert_eq!(done.code, 0, "{}", done.stderr);
         let report: serde_json::Value = serde_json::from_str(&done.stdout).unwrap();
         paths(&report, "", &mut fields);
