@@ -82,7 +82,7 @@ fn note(stage: &Stage, outcome: &Outcome) -> String {
         scenes::RootMode::Assisted { .. } => "assisted",
         scenes::RootMode::Pinned => "pinned",
     };
-    let tension = stage.physics.tension;
+    let tension = crate::summary::number(stage.physics.tension);
     format!("{}: tension {tension}, root {root}, {} Hz, {} substeps", stage.name, t.rate_hz, t.substeps)
 }
 
