@@ -120,6 +120,23 @@ pub struct RenderArgs {
     /// Patch of tension and balance, as `tune` writes it
     #[arg(long, value_name = "FILE.ron")]
     pub patch: Option<PathBuf>,
+    /// Assist the root by this much, from 0 (free) to 1: a budget of X² of the body weight, and of the moment of that
+    /// force at the root's height; more follows closer with more help from outside, see docs/ROOT.md
+    #[arg(long, value_name = "X", value_parser = fidelity, allow_negative_numbers = true, conflicts_with = "root")]
+    pub fidelity: Option<f64>,
+    /// Perform it at several fidelities (separated by commas) and draw tracking error against root wrench
+    #[arg(
+        long,
+        value_name = "X,X,...",
+        value_parser = fidelity,
+        value_delimiter = ',',
+        num_args = 0..=1,
+        conflicts_with_all = ["root", "fidelity", "kinematic"]
+    )]
+    pub pareto: Option<Vec<f64>>,
+    /// Perform this part of a clip only, in seconds
+    #[arg(long, value_name = "FROM..TO", value_parser = scenes::overrides::span)]
+    pub span: Option<(f64, f64)>,
     /// Leave out the edits of the scene
     #[arg(long)]
     pub no_edits: bool,
@@ -158,6 +175,10 @@ Examples:
   contrapposto render scenes/bow.ron --tension 0.5 --out out/slack
   contrapposto render scenes/bow.ron --root assisted:80,50
   contrapposto render scenes/bow.ron --kinematic
+  contrapposto render scenes/bow.ron --fidelity 0.3
+  contrapposto render scenes/bow.ron --pareto
+  contrapposto render gestures.bvh --root free
+  contrapposto render gestures.bvh --root free --span 2.5..7
   contrapposto render walk.bvh --units 0.01 --up y --tension 4
   contrapposto inspect walk.bvh --write-body body.ron && contrapposto render walk.bvh --body body.ron
 
@@ -168,6 +189,11 @@ Files written into DIR:
   trace.npz       every torque, gain and contact force, for numpy
   report.json     the numbers, see docs/REPORT.md
   plots/          figures, each as .svg and .png
+  span_1/, ...    a clip that also steps, with a free root: these files of every standing span instead
+With --pareto, into out/NAME-pareto: report.json and plots/pareto, see docs/ROOT.md.
+
+With a free root a clip is performed where its feet stand; where they step it is not, and that is said. --root pinned or
+assisted performs it whole.
 
 BVH files are written in the unit of the BVH read, in centimetres for scenes; Y is up.
 Same input, same bytes; only `realtime_factor` in report.json is of the clock.";
@@ -180,11 +206,12 @@ impl RenderArgs {
     pub fn overrides(&self) -> Result<Overrides, SceneError> {
         Ok(Overrides {
             patch: patch(self.patch.as_deref())?,
-            root: self.root,
+            root: self.fidelity.map(RootChoice::Fidelity).or(self.root),
             tension: self.tension,
             rate_hz: self.rate,
             substeps: self.substeps,
             without: self.without.clone(),
+            span_s: self.span,
         })
     }
 }
@@ -378,11 +405,11 @@ impl PushArgs {
     pub fn overrides(&self) -> Result<Overrides, SceneError> {
         Ok(Overrides {
             patch: patch(self.patch.as_deref())?,
-            root: None,
             tension: self.tension,
             rate_hz: self.rate,
             substeps: self.substeps,
             without: self.without.clone(),
+            ..Overrides::default()
         })
     }
 
@@ -661,6 +688,10 @@ fn tension(text: &str) -> Result<f64, String> {
 
 fn rate(text: &str) -> Result<f64, String> {
     number(text, *RATES.start(), *RATES.end(), " Hz")
+}
+
+fn fidelity(text: &str) -> Result<f64, String> {
+    number(text, 0.0, 1.0, "")
 }
 
 fn frame_rate(text: &str) -> Result<f64, String> {

@@ -82,7 +82,7 @@ fn note(stage: &Stage, outcome: &Outcome) -> String {
         scenes::RootMode::Assisted { .. } => "assisted",
         scenes::RootMode::Pinned => "pinned",
     };
-    let tension = stage.physics.tension;
+    let tension = crate::summary::number(stage.physics.tension);
     let tilt = stage.physics.ground.map_or(0.0, |g| g.up.y.clamp(-1.0, 1.0).acos().to_degrees());
     let tilt = if tilt > 0.0 { format!(", ground tilted by {tilt:.0}°") } else { String::new() };
     let end = outcome.fall.as_ref().map_or(String::new(), |fall| format!("; {fall}"));

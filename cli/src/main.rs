@@ -33,6 +33,7 @@ mod failure;
 mod figures;
 mod inspect;
 mod output;
+mod pareto;
 mod plot;
 mod progress;
 mod push;

@@ -5,6 +5,7 @@
 //! ones and other files stay, except earlier output of ours that this run does not have: a
 //! `dynamic.bvh` beside a newer `kinematic.bvh` would lie.
 
+use std::ffi::OsString;
 use std::fs;
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
@@ -32,7 +33,9 @@ impl Output {
     /// # Errors
     /// If it cannot be written to.
     pub fn begin(target: &Path) -> Result<Self, Failure> {
-        Self::replacing(target, ours().collect())
+        let spans = span_folders(target);
+        let of_spans = spans.iter().flat_map(|span| ours().map(move |file| span.join(file)));
+        Self::replacing(target, ours().chain(of_spans).collect())
     }
 
     /// Begins a folder in which these files, if not written anew, are removed; all others stay.
@@ -101,7 +104,11 @@ impl Output {
             let moved = fs::create_dir_all(folder).and_then(|()| fs::rename(self.staging.join(&name), &to));
             moved.map_err(|e| fail(&to, e))?;
         }
-        let _ = fs::remove_dir(self.target.join(PLOTS)); // goes if it is empty
+        // folders go if they are empty
+        for folder in span_folders(&self.target).into_iter().chain([PathBuf::new()]) {
+            let _ = fs::remove_dir(self.target.join(&folder).join(PLOTS));
+            let _ = fs::remove_dir(self.target.join(&folder));
+        }
         Ok(())
     }
 }
@@ -123,6 +130,18 @@ fn ours() -> impl Iterator<Item = PathBuf> {
     let figures = figures::stems()
         .flat_map(|stem| ["svg", "png"].map(|kind| Path::new(PLOTS).join(format!("{stem}.{kind}"))));
     OURS.iter().map(PathBuf::from).chain(figures)
+}
+
+/// Folders of standing spans in a folder, relative to it.
+fn span_folders(folder: &Path) -> Vec<PathBuf> {
+    let names = fs::read_dir(folder).into_iter().flatten().flatten().map(|e| e.file_name());
+    let is_span = |name: &OsString| {
+        let number = name.to_str().and_then(|n| n.strip_prefix("span_"));
+        number.is_some_and(|n| n.parse::<usize>().is_ok())
+    };
+    let mut found: Vec<PathBuf> = names.filter(is_span).map(PathBuf::from).collect();
+    found.sort();
+    found
 }
 
 /// Files in a folder and the folders in it, sorted, relative to it.

@@ -65,6 +65,9 @@ fn write(out: &mut String, stage: &Stage, report: &Report, dir: &Path) -> std::f
     if let Some(d) = &report.dynamic {
         performed(out, d)?;
     }
+    if stage.physics.root != scenes::RootMode::Pinned {
+        spans(out, report)?;
+    }
     let (figures, mut files): (Vec<&String>, Vec<&String>) =
         report.files.values().partition(|name| name.starts_with(PLOTS));
     let figures = figures.iter().filter(|name| name.ends_with(".svg")).count();
@@ -103,7 +106,7 @@ fn disturbed(out: &mut String, d: &DisturbanceReport) -> std::fmt::Result {
 fn verdict(report: &Report) -> String {
     let name = &report.scene;
     match &report.dynamic {
-        None => format!("{name}: the motion asked for; no physics"),
+        None => parts(report).unwrap_or_else(|| format!("{name}: the motion asked for; no physics")),
         Some(d) => match (&d.diverged, d.fell_at_s) {
             (Some(why), _) => format!("{name}: FAILED, {why}"),
             (None, Some(at)) => {
@@ -117,20 +120,100 @@ fn verdict(report: &Report) -> String {
     }
 }
 
+/// The verdict on a clip performed in parts.
+fn parts(report: &Report) -> Option<String> {
+    let name = &report.scene;
+    let runs: Vec<&DynamicReport> =
+        report.spans.iter().flatten().filter_map(|span| span.dynamic.as_ref()).collect();
+    let failed = runs.iter().filter(|d| d.diverged.is_some()).count();
+    let fell = runs.iter().filter(|d| d.fell).count();
+    let n = runs.len();
+    let spans = if n == 1 { "its standing span" } else { "standing spans" };
+    match (n, failed, fell) {
+        (0, ..) => None,
+        (_, 0, 0) if n == 1 => {
+            Some(format!("{name}: {spans} performed, the body stands; where it steps it is not"))
+        }
+        (_, 0, 0) => {
+            Some(format!("{name}: {n} {spans} performed, the body stands in all; where it steps it is not"))
+        }
+        (_, 0, _) => Some(format!("{name}: THE BODY FELL in {fell} of {n} {spans}")),
+        _ => Some(format!("{name}: FAILED in {failed} of {n} {spans}")),
+    }
+}
+
+/// Where a clip stands and steps, and what came of the spans performed by themselves.
+fn spans(out: &mut String, report: &Report) -> std::fmt::Result {
+    let Some(spans) = &report.spans else { return Ok(()) };
+    let alone = spans.len() == 1 && report.dynamic.is_some();
+    for (i, span) in spans.iter().enumerate() {
+        let text = match (&span.dynamic, span.stands) {
+            (Some(d), _) => {
+                let end = match (&d.diverged, d.fell_at_s) {
+                    (Some(why), _) => format!("FAILED, {why}"),
+                    (None, Some(at)) => format!("THE BODY FELL at {:.2} s", span.from_s + at),
+                    (None, None) => "stands".into(),
+                };
+                format!(
+                    "{end}: upper body {:.2}° RMS, links {:.0} mm, unexplained force {:.2} % of body weight, slip {:.0} mm",
+                    d.upper_body_rms_deg,
+                    d.position_rms_mm,
+                    d.root.residual_force_rms_percent_bw,
+                    d.feet.slip_mm_max
+                )
+            }
+            (None, true) if alone => "stands throughout, feet planted".into(),
+            (None, true) => "stands".into(),
+            (None, false) if span.stepping.is_empty() => "too short to stand".into(),
+            (None, false) if report.dynamic.is_some() => format!("steps: {}", span.stepping.join(", ")),
+            (None, false) => format!("steps: {}; not performed", span.stepping.join(", ")),
+        };
+        let label = if i == 0 { "spans" } else { "" };
+        line(out, label, format!("{:>6.2} ..{:>6.2} s  {text}", span.from_s, span.to_s))?;
+    }
+    let falls = report.dynamic.as_ref().is_some_and(|d| d.root.mode == "free");
+    if falls && !spans.iter().any(|s| s.stands) {
+        line(
+            out,
+            "",
+            "it stands nowhere, and a free root has no steps of its own: --root assisted or pinned holds it",
+        )?;
+    }
+    Ok(())
+}
+
 fn performed(out: &mut String, d: &DynamicReport) -> std::fmt::Result {
     let r = &d.root;
     let held = match r.mode.as_str() {
         "free" => "free: nothing but muscles and contacts".into(),
         mode => format!(
-            "{mode}: force {:.1} N RMS ({:.1} % of body weight), {:.1} N peak; moment {:.1} N·m peak; {:.1} N·s in all",
+            "{mode}: force {:.1} N RMS ({:.1} % of body weight), {:.1} N peak ({:.1} %), {:.1} N·s in all",
             r.residual_force_rms_n,
             r.residual_force_rms_percent_bw,
             r.residual_force_peak_n,
-            r.residual_moment_peak_nm,
+            r.residual_force_peak_percent_bw,
             r.impulse_ns
         ),
     };
     line(out, "root", held)?;
+    if r.mode != "free" {
+        let text = format!(
+            "moment {:.1} N·m RMS, {:.1} N·m peak, {:.1} N·m·s in all",
+            r.residual_moment_rms_nm, r.residual_moment_peak_nm, r.moment_impulse_nms
+        );
+        line(out, "", text)?;
+    }
+    if let Some(b) = &r.budget {
+        let text = format!(
+            "budget {:.1} N ({:.1} % of body weight), used up {:.0} % of the time; {:.1} N·m, used up {:.0} %",
+            b.force_n,
+            b.force_percent_bw,
+            100.0 * b.force_at_limit,
+            b.moment_nm,
+            100.0 * b.moment_at_limit
+        );
+        line(out, "", text)?;
+    }
     if r.mode == "free" {
         let text = format!(
             "unexplained force {:.2} N RMS ({:.3} % of body weight), {:.1} N peak",
@@ -207,7 +290,10 @@ fn performed(out: &mut String, d: &DynamicReport) -> std::fmt::Result {
     line(
         out,
         "joints",
-        format!("{:.2}° RMS from the motion asked for, links {:.0} mm", d.joint_rms_deg, d.position_rms_mm),
+        format!(
+            "{:.2}° RMS from the motion asked for ({:.2}° without the legs), links {:.0} mm",
+            d.joint_rms_deg, d.upper_body_rms_deg, d.position_rms_mm
+        ),
     )?;
     line(out, "", format!("worst: {}", worst.join(", ")))?;
     if d.contact.vertical_peak_n > 0.0 {

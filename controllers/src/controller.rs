@@ -15,11 +15,11 @@ use std::sync::Arc;
 use dynamics::{Carrying, Character, Model, State};
 use motion::ik::IkError;
 use motion::plant::Plant;
-use motion::support::Vec2;
 use motion::{Dof, Limits, Range, Tracks, Value, Vec3};
 
 use crate::antagonist::SetPoints;
 use crate::balance::{Balance, BalanceSettings, LegMuscle};
+use crate::feed::{self, Feed};
 use crate::reactive::{Moment, Reactive};
 use crate::support::{Foot, polygon, wrenches};
 use crate::tension::{Need, StanceLeg, TensionScale, needs};
@@ -132,6 +132,8 @@ pub struct Controller {
     state: State,
     tau: Vec<f64>,
     lift: Vec<f64>,
+    /// What a clip needs of the ground under planted feet, per row; empty for scripts.
+    feeds: Vec<Option<Feed>>,
     /// Least stiffness for stability per body, at the rows planned for; for clips.
     stability: Vec<(usize, Vec<f64>)>,
 }
@@ -230,6 +232,7 @@ impl Controller {
             state: State::new(&model),
             tau: vec![0.0; model.nv()],
             lift: Vec::new(),
+            feeds: Vec::new(),
             stability: Vec::new(),
             legs,
             goal: setup.goal,
@@ -239,6 +242,9 @@ impl Controller {
         };
         controller.plan(setup.tracks.as_ref(), setup.tension, &in_leg, &mut planner);
         controller.lift = controller.vertical_acceleration();
+        if let (true, None, Some(ground_m)) = (controller.balances(), &setup.tracks, setup.ground_m) {
+            controller.feeds = feed::feeds(&controller.model, &controller.goal, ground_m);
+        }
         Ok(controller)
     }
 
@@ -324,6 +330,7 @@ impl Controller {
             dt,
         };
         if let Some(balance) = &mut self.balance {
+            balance.follow(self.feeds.get(row).copied().flatten());
             balance.react(&moment, &mut self.drives)?;
         }
         for property in &mut self.reactive {
@@ -357,15 +364,12 @@ impl Controller {
             })
             .cloned()
             .collect();
-        let zero = self.state.bodies[0].zero;
-        let force = zero * motion::skeleton::vec_at(&self.tau, 0);
-        if standing.is_empty() || force.y <= 0.0 {
+        let Some((force, pressure)) = feed::pressure(&self.state, &self.tau, ground_m) else {
+            return Vec::new();
+        };
+        if standing.is_empty() {
             return Vec::new();
         }
-        // about the point of the ground under the world's origin: M = p × F, p in the ground
-        let root = self.state.bodies[0].world.translation.vector - Vec3::y() * ground_m;
-        let moment = zero * motion::skeleton::vec_at(&self.tau, 3) + root.cross(&force);
-        let pressure = Vec2::new(moment.z, -moment.x) / force.y;
         let soles = polygon(&standing, &self.model, &self.state);
         let pressure = soles.nearest(&pressure).unwrap_or(pressure);
         wrenches(&standing, &self.model, &self.state, pressure, force)

@@ -8,8 +8,10 @@
 //! | [`transition`] | gains along a transition |
 //! | [`drive`] | what a muscle pair asks of its joint in one step |
 //! | [`goal`] | the motion asked for, at the control rate |
+//! | [`feed`] | what a moving goal needs of the ground |
 //! | [`support`] | feet, and how they share the load |
 //! | [`posture`] | the pelvis shift that keeps a pose over its feet |
+//! | [`admissible`] | a path whose ground reaction stays inside its soles |
 //! | [`balance`] | the reactive property that keeps a body on its feet |
 //! | [`reactive`] | the trait of properties that read the state every step |
 //! | [`gaze`] | one that keeps the eyes on a point |
@@ -17,11 +19,13 @@
 //! | [`parameters`] | what may be tuned: names, units, ranges, consequences |
 //! | [`controller`] | all of them, step by step |
 
+pub mod admissible;
 pub mod antagonist;
 pub mod assist;
 pub mod balance;
 pub mod controller;
 pub mod drive;
+pub mod feed;
 pub mod gaze;
 pub mod goal;
 pub mod parameters;
@@ -36,6 +40,7 @@ pub use antagonist::{Antagonist, HoldError, SetPoints};
 pub use balance::{Balance, BalanceSettings, Strategy, StrategyError};
 pub use controller::{Controller, LegTension, Sagging, Setup};
 pub use drive::{Drive, Rest, rest_of};
+pub use feed::Feed;
 pub use gaze::{Gaze, GazeError, GazeSettings, Sight};
 pub use goal::Goal;
 pub use parameters::{PARAMETERS, Parameter, Tunable, parameter};

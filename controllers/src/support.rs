@@ -131,6 +131,37 @@ pub fn shared_wrenches(
         .collect()
 }
 
+/// Share of each foot (sums to 1) and wrenches on the feet that sum to `force` (N) with its centre of pressure at
+/// `cop`, as rigid soles on an even floor take it: the pressures of all corners that have this centre and the
+/// least sum of squares. Each foot's own centre lies inside its sole as long as `cop` lies inside all of them.
+pub fn pressed_wrenches(
+    feet: &[Foot],
+    model: &Model,
+    state: &State,
+    cop: Vec2,
+    force: Vec3,
+) -> (Vec<f64>, Vec<Wrench>) {
+    let corners: Vec<Vec<Vec3>> = feet.iter().map(|f| f.corners_in_world(model, state)).collect();
+    let at: Vec<Vec3> = corners.concat();
+    let mut pressures = vec![0.0; at.len()];
+    let height = at.iter().map(|p| p.y).sum::<f64>() / at.len().max(1) as f64;
+    let aim = Vec3::new(cop.x, height, cop.y);
+    dynamics::analysis::pressures(&at, &vec![1.0; at.len()], aim, &mut pressures);
+    let mut first = 0;
+    feet.iter()
+        .zip(&corners)
+        .map(|(foot, corners)| {
+            let own = &pressures[first..first + corners.len()];
+            first += corners.len();
+            let share: f64 = own.iter().sum();
+            let sum: Vec3 = corners.iter().zip(own).map(|(p, w)| p * *w).sum();
+            let point = if share > 0.0 { sum / share } else { foot.center(model, state) };
+            let wrench = Wrench { link: foot.limb.end, point, force: force * share, moment: Vec3::zeros() };
+            (share, wrench)
+        })
+        .unzip()
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

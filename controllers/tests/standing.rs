@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use controllers::assist::{self, Budget};
+use controllers::assist::{Assist, Budget};
 use controllers::posture::settle;
 use controllers::support::{Foot, polygon, shares, wrenches};
 use controllers::{BalanceSettings, Controller, Drive, GainBlend, Goal, Setup};
@@ -208,7 +208,7 @@ fn the_assist_stays_within_its_budget() {
             s.set_position(&mut goal, 0, &p);
             let r = exp(&Vec3::new(0.0, away.min(1.0), 0.0)) * s.rotation(&goal, 0);
             s.set_rotation(&mut goal, 0, &r);
-            let w = assist::wrench(&model, &mut state, budget, (&c.rest, &still), (&goal, &still));
+            let w = Assist::new(&model, budget).wrench(&model, &mut state, &c.rest, (&goal, &still));
             assert!(w.force.norm() <= budget.force_n * (1.0 + 1e-12), "{w:?}");
             assert!(w.moment.norm() <= budget.moment_nm * (1.0 + 1e-12), "{w:?}");
             if budget.force_n > 0.0 {

@@ -20,6 +20,7 @@
 //! | [`ik`] | two-bone limbs to a target |
 //! | [`metrics`] | joint errors, foot slip, jerk |
 //! | [`names`] | the nearest known name, for error messages |
+//! | [`stance`] | where in a clip the feet stand, and where they step |
 //! | [`support`] | convex hull of ground contacts, margin of a point |
 //! | [`mod@format`] | BVH and other files |
 //!
@@ -41,6 +42,7 @@ pub mod script;
 pub mod shape;
 pub mod skeleton;
 pub mod smooth;
+pub mod stance;
 pub mod support;
 pub mod track;
 

@@ -20,6 +20,7 @@
 //! | [`energy`] | energies, and the power of the joints |
 //! | [`polar`] | push-recovery maps: impulse survived per direction, against the limit |
 //! | [`tuning`] | what a search did: costs, slices, before and after |
+//! | [`trade`] | tracking error against root wrench, per fidelity |
 //! | [`excerpt`] | a span of a trace, chosen joints |
 //! | [`camera`], [`solid`] | who looks at them, and how shapes become polygons |
 //! | [`panel`] | axes, curves, legends, pages of small multiples |
@@ -47,6 +48,7 @@ pub mod solid;
 pub mod strip;
 pub mod style;
 pub mod torque;
+pub mod trade;
 pub mod tuning;
 
 pub use angles::joint_angles;
@@ -64,4 +66,5 @@ pub use polar::{Spoke, push_map, push_map_over};
 pub use residual::momentum_residual;
 pub use strip::{StripOptions, StripRow, film_strip, film_strip_with};
 pub use torque::joint_torques;
+pub use trade::{TradePoint, trade_off};
 pub use tuning::{CostSlice, TermPair, convergence, cost_slices, terms_before_after};

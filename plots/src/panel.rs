@@ -105,6 +105,8 @@ pub struct Panel {
     pub guides: Vec<Guide>,
     /// Points drawn as discs, px radius.
     pub dots: Vec<([f64; 2], f64, Color)>,
+    /// Words beside points, to the upper right.
+    pub labels: Vec<([f64; 2], String, Color)>,
     /// Least height of the vertical axis, data units, so that noise stays small.
     pub least_span: f64,
     /// Vertical lines at moments that matter.
@@ -387,6 +389,10 @@ impl Panel {
         }
         for (at, radius, color) in &self.dots {
             figure.disc(px(at), *radius, *color);
+        }
+        for (at, text, color) in &self.labels {
+            let [x, y] = px(at);
+            figure.text(text.as_str(), [x + 7.0, y - 6.0], SMALL, *color, Anchor::Start);
         }
         let [l, t] = frame.at;
         let corners = vec![[l, t], [right, t], [right, bottom], [l, bottom], [l, t]];

@@ -14,6 +14,11 @@
 //! | [`inspect`] | what is in a file |
 //! | [`overrides`] | numbers of the dynamic pass given beside the file |
 //! | [`patch`] | parameters of tension and balance in a file of their own |
+//! | [`standing`] | the parts of a clip a body can perform on its own feet |
+//! | [`export`] | a body as MJCF |
+//! | [`inspect`] | what is in a file |
+//! | [`overrides`] | numbers of the dynamic pass given beside the file |
+//! | [`pareto`] | the trade between fidelity and help from outside |
 //! | [`push`] | the push-recovery map of a standing body |
 //! | [`report`] | the numbers of a run |
 //! | [`tune`] | parameters chosen by a search over a cost |
@@ -32,6 +37,7 @@ pub mod error;
 pub mod export;
 pub mod inspect;
 pub mod overrides;
+pub mod pareto;
 pub mod patch;
 pub mod push;
 pub mod reactive;
@@ -40,6 +46,7 @@ pub mod scene;
 pub mod schema;
 pub mod source_map;
 pub mod stage;
+pub mod standing;
 pub mod study;
 pub mod study_report;
 pub mod tune;

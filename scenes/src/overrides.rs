@@ -7,7 +7,8 @@ use std::ops::RangeInclusive;
 use std::str::FromStr;
 
 pub use controllers::Strategy;
-use dynamics::RootMode;
+use dynamics::{Character, RootMode};
+use motion::Kinematics;
 
 use crate::Patch;
 use crate::scene::Physics;
@@ -23,6 +24,8 @@ pub const SUBSTEPS: RangeInclusive<usize> = 1..=64;
 const ASSIST_WEIGHT: f64 = 0.1;
 /// Default moment of an assisted root, N·m.
 const ASSIST_MOMENT: f64 = 50.0;
+/// Factor on every tension at fidelity 1.
+const STIFFEST: f64 = 4.0;
 /// Largest budget of an assisted root, N and N·m.
 const BUDGETS: RangeInclusive<f64> = 0.0..=1e6;
 
@@ -36,6 +39,30 @@ pub enum RootChoice {
     Assisted(Option<(f64, f64)>),
     /// The kinematic path: `pinned`.
     Pinned,
+    /// A wrench whose budget grows with a number from 0 to 1, see [`set_fidelity`].
+    Fidelity(f64),
+}
+
+/// Sets a fidelity `f` from 0 to 1: how closely the motion asked for is to be followed, whatever it costs.
+///
+/// At 0 nothing changes but that the root is free. Above, the root is assisted by at most `f²` of the body weight, and
+/// by at most the moment of that force at the height `h` of the root above the soles in the rest pose, `f² m g h`: at
+/// 1 the help could carry the body, at 0.32 it is the 10 % of `assisted`; how it pulls is in
+/// [`controllers::assist`]. And all tensions are multiplied by `4^f`.
+pub fn set_fidelity(physics: &mut Physics, f: f64, character: &Character) {
+    let f = f.clamp(0.0, 1.0);
+    physics.tension *= STIFFEST.powf(f);
+    physics.root = RootMode::Free;
+    if f > 0.0 {
+        let skeleton = &character.skeleton;
+        let k = Kinematics::new(skeleton, &character.rest);
+        let sites = character.contacts.iter().map(|&c| &skeleton.sites()[c]);
+        let sites = sites.map(|s| k.point(s.link, &s.at).y);
+        let links = k.world.iter().map(|w| w.translation.y);
+        let lowest = sites.chain(links).fold(f64::INFINITY, f64::min);
+        let force_n = f * f * character.mass() * physics.gravity.norm();
+        physics.root = RootMode::Assisted { force_n, moment_nm: force_n * (k.origin(0).y - lowest) };
+    }
 }
 
 /// A text that is no [`RootChoice`].
@@ -79,21 +106,37 @@ pub struct Overrides {
     pub substeps: Option<usize>,
     /// Strategies of balance to switch off, beside those the file does.
     pub without: Vec<Strategy>,
+    /// Part of a clip, from and to, s.
+    pub span_s: Option<(f64, f64)>,
+}
+
+/// Reads a part of a clip: `FROM..TO` in seconds.
+///
+/// # Errors
+/// What is allowed.
+pub fn span(text: &str) -> Result<(f64, f64), String> {
+    let number = |s: &str| s.trim().parse::<f64>().ok().filter(|x| (0.0..=1e6).contains(x));
+    let ends = text.split_once("..").and_then(|(a, b)| Some((number(a)?, number(b)?)));
+    ends.filter(|(a, b)| a < b)
+        .ok_or_else(|| "allowed: FROM..TO in seconds, FROM before TO, such as 2.5..7".into())
 }
 
 impl Overrides {
-    /// Changes `physics` for a body of `mass` kg. Numbers out of range are taken to its nearest end.
-    pub fn apply(&self, physics: &mut Physics, mass: f64) {
+    /// Changes `physics` for a body. Numbers out of range are taken to its nearest end.
+    pub fn apply(&self, physics: &mut Physics, character: &Character) {
         let clamp = |x: f64, range: RangeInclusive<f64>| x.clamp(*range.start(), *range.end());
         match self.root {
-            None => {}
+            None | Some(RootChoice::Fidelity(_)) => {}
             Some(RootChoice::Free) => physics.root = RootMode::Free,
             Some(RootChoice::Pinned) => physics.root = RootMode::Pinned,
             Some(RootChoice::Assisted(budget)) => {
-                let weight = mass * physics.gravity.norm();
+                let weight = character.mass() * physics.gravity.norm();
                 let (force_n, moment_nm) = budget.unwrap_or((ASSIST_WEIGHT * weight, ASSIST_MOMENT));
                 physics.root = RootMode::Assisted { force_n, moment_nm };
             }
+        }
+        if let Some(RootChoice::Fidelity(f)) = self.root {
+            set_fidelity(physics, f, character);
         }
         if let Some(patch) = &self.patch {
             patch.apply(physics);

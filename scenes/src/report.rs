@@ -7,6 +7,7 @@
 use dynamics::{JointClass, RootMode, Trace};
 use motion::format::bvh::Chosen;
 use motion::metrics::{self, FeetMetrics, JointError};
+use motion::stance::Span;
 use motion::{Clip, Vec3};
 use serde::Serialize;
 use sim::Outcome;
@@ -15,6 +16,7 @@ use crate::Stage;
 use crate::disturbance_report::{DisturbanceReport, FallReport, LegTensionReport};
 use crate::reactive::GazeReport;
 use crate::stage::ClipSource;
+use crate::standing::{self, Performed};
 
 /// All numbers of a run.
 #[derive(Clone, Debug, Serialize)]
@@ -36,9 +38,12 @@ pub struct Report {
     pub kinematic: KinematicReport,
     /// What disturbs the performer.
     pub disturbances: DisturbanceReport,
-    /// The motion performed; absent after `--kinematic`.
+    /// The motion performed; absent after `--kinematic`, and where a clip is performed in parts.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub dynamic: Option<DynamicReport>,
+    /// Where the feet of a clip stand and step; absent for a scene.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub spans: Option<Vec<SpanReport>>,
     /// Edits that wrote the same field of the same element.
     pub edit_conflicts: usize,
     /// Files written, by what they hold; paths relative to the report.
@@ -83,6 +88,49 @@ pub(crate) fn chosen(by: Chosen) -> &'static str {
         Chosen::Guessed => "guessed",
         Chosen::Unsure => "unsure",
     }
+}
+
+/// A part of a clip that stands, or in which feet step.
+#[derive(Clone, Debug, Serialize)]
+pub struct SpanReport {
+    /// Begin, s.
+    pub from_s: f64,
+    /// End, s: the time of its last frame.
+    pub to_s: f64,
+    /// Whether all feet stand throughout.
+    pub stands: bool,
+    /// Legs that step in it.
+    pub stepping: Vec<String>,
+    /// Folder of its files, relative to the report; null unless it was performed by itself.
+    pub folder: Option<String>,
+    /// The motion performed; null unless it was performed by itself.
+    pub dynamic: Option<DynamicReport>,
+}
+
+impl SpanReport {
+    /// All spans of a stage, with those performed by themselves; none for a scene.
+    pub(crate) fn all(stage: &Stage, performed: &[Performed]) -> Option<Vec<Self>> {
+        let stance = stage.stance.as_ref()?;
+        let legs = standing::soles(&stage.character);
+        let rate = stage.kinematic.rate_hz;
+        let of = |(i, span): (usize, &Span)| {
+            let place = performed.iter().position(|p| p.span == i);
+            Self {
+                from_s: span.frames.start as f64 / rate,
+                to_s: span.frames.end.saturating_sub(1) as f64 / rate,
+                stands: span.stands,
+                stepping: span.stepping.iter().map(|&s| legs[s].0.clone()).collect(),
+                folder: place.map(span_folder),
+                dynamic: place.map(|k| dynamic(&performed[k].stage, &performed[k].outcome)),
+            }
+        };
+        Some(stance.spans.iter().enumerate().map(of).collect())
+    }
+}
+
+/// Folder of the `k`th standing span, counted from 0.
+pub fn span_folder(k: usize) -> String {
+    format!("span_{}", k + 1)
 }
 
 /// The body.
@@ -153,6 +201,8 @@ pub struct DynamicReport {
     pub diverged: Option<String>,
     /// RMS angle to the motion asked for, over all joints but wrists, degrees.
     pub joint_rms_deg: f64,
+    /// The same without the joints of the legs, degrees.
+    pub upper_body_rms_deg: f64,
     /// The joints furthest from what was asked, worst first.
     pub worst_joints: Vec<JointReport>,
     /// RMS distance of the links' origins to the motion asked for, mm.
@@ -215,10 +265,33 @@ pub struct RootReport {
     pub residual_force_rms_n: f64,
     /// Largest moment of that kind about the root's origin, N·m.
     pub residual_moment_peak_nm: f64,
+    /// RMS of that moment, N·m.
+    pub residual_moment_rms_nm: f64,
     /// Integral of that force's magnitude, N·s.
     pub impulse_ns: f64,
+    /// Integral of that moment's magnitude, N·m·s.
+    pub moment_impulse_nms: f64,
     /// RMS force over body weight, %.
     pub residual_force_rms_percent_bw: f64,
+    /// Peak force over body weight, %.
+    pub residual_force_peak_percent_bw: f64,
+    /// The budget of an assisted root; null for others.
+    pub budget: Option<BudgetReport>,
+}
+
+/// The budget of an assisted root.
+#[derive(Clone, Copy, Debug, Serialize)]
+pub struct BudgetReport {
+    /// Largest force allowed, N.
+    pub force_n: f64,
+    /// That over body weight, %.
+    pub force_percent_bw: f64,
+    /// Largest moment allowed, N·m.
+    pub moment_nm: f64,
+    /// Share of the time at the force's limit, 0 to 1.
+    pub force_at_limit: f64,
+    /// Share of the time at the moment's limit, 0 to 1.
+    pub moment_at_limit: f64,
 }
 
 /// Contact forces.
@@ -257,6 +330,15 @@ const BRIEF: f64 = 0.1;
 impl Report {
     /// Numbers of a stage and its outcome.
     pub fn new(stage: &Stage, outcome: Option<&Outcome>) -> Self {
+        Self::with_spans(stage, outcome, &[])
+    }
+
+    /// Numbers of a clip of which standing spans were performed each by itself.
+    pub fn of_spans(stage: &Stage, performed: &[Performed]) -> Self {
+        Self::with_spans(stage, None, performed)
+    }
+
+    fn with_spans(stage: &Stage, outcome: Option<&Outcome>, performed: &[Performed]) -> Self {
         let c = &stage.character;
         let plain_jerk = metrics::jerk_rms(&stage.unedited);
         let jerk = metrics::jerk_rms(&stage.kinematic);
@@ -280,6 +362,7 @@ impl Report {
             },
             disturbances: DisturbanceReport::new(stage),
             dynamic: outcome.map(|o| dynamic(stage, o)),
+            spans: SpanReport::all(stage, performed),
             edit_conflicts: stage.log.conflicts().len(),
             files: std::collections::BTreeMap::new(),
         }
@@ -324,6 +407,12 @@ fn dynamic(stage: &Stage, o: &Outcome) -> DynamicReport {
         fall: o.fall.as_ref().map(FallReport::new),
         diverged: o.diverged.as_ref().map(ToString::to_string),
         joint_rms_deg: metrics::joint_rms_deg(counted.iter().copied()),
+        upper_body_rms_deg: metrics::joint_rms_deg(
+            counted
+                .iter()
+                .copied()
+                .filter(|e| !c.legs().any(|l| [l.upper, l.lower, l.end].contains(&e.link))),
+        ),
         worst_joints: worst
             .iter()
             .take(WORST)
@@ -408,14 +497,34 @@ fn root(t: &Trace, mass: f64) -> RootReport {
     let residual: Vec<(Vec3, Vec3)> =
         t.residual().chunks_exact(6).map(|w| (part(w, 0), part(w, 3))).collect();
     let n = residual.len().saturating_sub(1).max(1) as f64;
-    let rms = (residual.iter().map(|(f, _)| f.norm_squared()).sum::<f64>() / n).sqrt();
+    let (force, moment): (Vec<f64>, Vec<f64>) = residual.iter().map(|(f, m)| (f.norm(), m.norm())).unzip();
+    let rms = |x: &[f64]| (x.iter().map(|x| x * x).sum::<f64>() / n).sqrt();
+    let peak = |x: &[f64]| x.iter().copied().fold(0.0, f64::max);
+    let sum = |x: &[f64]| x.iter().sum::<f64>() / t.rate_hz;
+    let percent = |x: f64| 100.0 * x / (mass * t.gravity.norm()).max(1e-12);
+    let at_limit = |x: &[f64], most: f64| x.iter().filter(|x| **x >= most * (1.0 - 1e-9)).count() as f64 / n;
+    let budget = match t.root {
+        RootMode::Assisted { force_n, moment_nm } => Some(BudgetReport {
+            force_n,
+            force_percent_bw: percent(force_n),
+            moment_nm,
+            // row 0 is the start: nothing has acted yet
+            force_at_limit: at_limit(&force[1.min(force.len())..], force_n),
+            moment_at_limit: at_limit(&moment[1.min(moment.len())..], moment_nm),
+        }),
+        RootMode::Free | RootMode::Pinned => None,
+    };
     RootReport {
         mode: root_name(t.root).into(),
-        residual_force_peak_n: residual.iter().map(|(f, _)| f.norm()).fold(0.0, f64::max),
-        residual_force_rms_n: rms,
-        residual_moment_peak_nm: residual.iter().map(|(_, m)| m.norm()).fold(0.0, f64::max),
-        impulse_ns: residual.iter().map(|(f, _)| f.norm()).sum::<f64>() / t.rate_hz,
-        residual_force_rms_percent_bw: 100.0 * rms / (mass * t.gravity.norm()).max(1e-12),
+        residual_force_peak_n: peak(&force),
+        residual_force_rms_n: rms(&force),
+        residual_moment_peak_nm: peak(&moment),
+        residual_moment_rms_nm: rms(&moment),
+        impulse_ns: sum(&force),
+        moment_impulse_nms: sum(&moment),
+        residual_force_rms_percent_bw: percent(rms(&force)),
+        residual_force_peak_percent_bw: percent(peak(&force)),
+        budget,
     }
 }
 

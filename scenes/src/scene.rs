@@ -18,7 +18,7 @@ use motion::{Curve, Dof, Joint, LimbKind, Value, Vec3};
 use sim::{Ground, Push};
 
 use crate::angle::quat_from_deg;
-use crate::overrides::{RATES, SUBSTEPS, TENSIONS};
+use crate::overrides::{RATES, SUBSTEPS, TENSIONS, set_fidelity};
 use crate::schema::*;
 use crate::tune::TuneSpec;
 use crate::{Angle, Patch, SceneError, Source, character_file};
@@ -199,8 +199,9 @@ impl Check<'_> {
                 force_n: self.within("root.force_n", force_n, 0.0, 1e6, "N")?,
                 moment_nm: self.within("root.moment_nm", moment_nm, 0.0, 1e6, "N·m")?,
             },
+            RootRon::Fidelity(_) => RootMode::Free, // set below, with what it needs to know
         };
-        Ok(Physics {
+        let mut physics = Physics {
             rate_hz,
             substeps: p.substeps,
             tension,
@@ -212,7 +213,11 @@ impl Check<'_> {
             gravity: self.vec3("world.gravity_m_s2", ron.world.gravity_m_s2)?,
             ground,
             balance: self.balance(&ron.balance)?,
-        })
+        };
+        if let RootRon::Fidelity(f) = ron.root {
+            set_fidelity(&mut physics, self.within("root", f, 0.0, 1.0, "")?, self.character);
+        }
+        Ok(physics)
     }
 
     fn balance(&self, ron: &BalanceRon) -> Result<BalanceSettings, SceneError> {

@@ -384,6 +384,8 @@ pub enum RootRon {
     },
     /// The root follows the kinematic path.
     Pinned,
+    /// Assisted with a budget that grows with a number: 0 free, 1 as much help as could carry the body.
+    Fidelity(f64),
 }
 
 /// A reactive property.

@@ -6,9 +6,10 @@
 //!
 //! ```text
 //! scene.ron ─→ tracks ─→ edits ─→ sampled, limits, feet planted, balanced ─→ Stage
-//! human.bvh ─→ clip ─→ body guessed or given ─→ limits ────────────────────→ Stage
+//! human.bvh ─→ clip ─→ body guessed or given ─→ limits, feet planted where it stands → Stage
 //! ```
 
+use std::ops::Range;
 use std::path::Path;
 use std::sync::Arc;
 
@@ -20,6 +21,7 @@ use edits::EditLog;
 use motion::format::bvh::{self, BvhFileError, ImportOptions, ImportReport};
 use motion::plant::{Plant, plant};
 use motion::skeleton::quat_at;
+use motion::stance::Stance;
 use motion::support::ground;
 use motion::{Clip, Joint, Kinematics, Shape, Tracks, Transform, Vec3};
 use nalgebra::{Point3, Translation3};
@@ -28,6 +30,7 @@ use sim::{Ground, Pass, PassError, Push};
 use crate::overrides::Overrides;
 use crate::scene::{self, Physics, Scene};
 use crate::schema::StripRon;
+use crate::standing::{FRICTION, stance};
 use crate::tune::TuneSpec;
 use crate::{SceneError, character_file};
 
@@ -75,6 +78,30 @@ pub enum StageError {
         duration_s: f64,
         /// Frames or control steps per second, whichever are more.
         rate_hz: f64,
+    },
+    /// A span that is not in the clip.
+    #[error(
+        "{path}: no span {from}..{to} s; the clip lasts {duration_s:.3} s, and a span has at least two frames"
+    )]
+    Span {
+        /// The clip.
+        path: String,
+        /// Begin asked for, s.
+        from: f64,
+        /// End asked for, s.
+        to: f64,
+        /// Length of the clip, s.
+        duration_s: f64,
+    },
+    /// Legs that cannot be planted.
+    #[error(
+        "{path}: its feet cannot be planted: {source}\n  help: --root pinned performs it without the ground"
+    )]
+    Legs {
+        /// The clip.
+        path: String,
+        /// Why.
+        source: motion::ik::IkError,
     },
     /// Something else than a scene or clip.
     #[error("{0}: neither a scene (.ron) nor a clip (.bvh)")]
@@ -138,6 +165,8 @@ pub struct Stage {
     pub tune: TuneSpec,
     /// The clip behind it; `None` for a scene.
     pub clip: Option<ClipSource>,
+    /// Where the feet of a clip stand and step; `None` for a scene.
+    pub stance: Option<Stance>,
     /// Fraction of the frames that joint limits changed.
     pub clamped: f64,
 }
@@ -165,20 +194,44 @@ pub fn open_with(
     match kind.as_deref() {
         Some("ron") => {
             let mut scene = scene::read(path)?;
-            overrides.apply(&mut scene.physics, scene.character.mass());
+            overrides.apply(&mut scene.physics, &scene.character);
             Ok(stage_scene(scene)?)
         }
         Some("bvh") => {
             let mut stage = stage_clip(path, body, import)?;
-            overrides.apply(&mut stage.physics, stage.character.mass());
+            overrides.apply(&mut stage.physics, &stage.character.clone());
             let duration_s = stage.kinematic.duration_s();
             let rate_hz = stage.kinematic.rate_hz.max(stage.physics.rate_hz);
             if duration_s * rate_hz > MOST_STEPS {
                 return Err(StageError::Long { path: path.display().to_string(), duration_s, rate_hz });
             }
-            Ok(stage)
+            if let Some(span) = overrides.span_s {
+                stage = stage.cut(frames_of(span, &stage.kinematic, path)?);
+            }
+            stand_throughout(stage, path)
         }
         _ => Err(StageError::Kind(path.display().to_string())),
+    }
+}
+
+/// Frames of a span of time.
+fn frames_of((from, to): (f64, f64), clip: &Clip, path: &Path) -> Result<Range<usize>, StageError> {
+    let duration_s = clip.duration_s();
+    let frame = |t: f64| (t * clip.rate_hz).round() as usize;
+    if to > duration_s + 0.5 / clip.rate_hz || frame(to) <= frame(from) {
+        return Err(StageError::Span { path: path.display().to_string(), from, to, duration_s });
+    }
+    Ok(frame(from)..(frame(to) + 1).min(clip.frames()))
+}
+
+/// A clip that stands from beginning to end, its root not pinned, is performed on planted feet.
+fn stand_throughout(stage: Stage, path: &Path) -> Result<Stage, StageError> {
+    let Some(stance) = &stage.stance else { return Ok(stage) };
+    match &stance.spans[..] {
+        [span] if span.stands && stage.physics.root != RootMode::Pinned => stage
+            .stand(span, stance.ground_m)
+            .map_err(|source| StageError::Legs { path: path.display().to_string(), source }),
+        _ => Ok(stage),
     }
 }
 
@@ -252,6 +305,7 @@ pub fn stage_scene(scene: Scene) -> Result<Stage, SceneError> {
         strip: scene.strip,
         tune: scene.tune.clone(),
         clip: None,
+        stance: None,
         clamped,
         character,
     })
@@ -332,9 +386,6 @@ impl Sampler<'_> {
     }
 }
 
-/// Window in which a clip's feet count as standing throughout, m.
-const STANDS: f64 = 0.05;
-
 fn stage_clip(path: &Path, body: Option<&Path>, import: &ImportOptions) -> Result<Stage, StageError> {
     let shown = path.display().to_string();
     let (clip, report) = bvh::read_file(path, import)?;
@@ -360,7 +411,7 @@ fn stage_clip(path: &Path, body: Option<&Path>, import: &ImportOptions) -> Resul
     }
     let name = path.file_stem().map_or_else(|| "clip".into(), |s| s.to_string_lossy().into_owned());
     let floor = floor(&character, &kinematic);
-    let plants = standing(&character, &kinematic);
+    let stance = stance(&character, &kinematic);
     let rate = clip.rate_hz;
     Ok(Stage {
         name,
@@ -368,7 +419,7 @@ fn stage_clip(path: &Path, body: Option<&Path>, import: &ImportOptions) -> Resul
         tracks: None,
         plain: None,
         log: EditLog::default(),
-        plants,
+        plants: Vec::new(),
         physics: Physics {
             // whole control steps per frame, near 240 Hz
             rate_hz: rate * (240.0 / rate).round().max(1.0),
@@ -377,7 +428,7 @@ fn stage_clip(path: &Path, body: Option<&Path>, import: &ImportOptions) -> Resul
             blend: controllers::GainBlend::RestAngle,
             root: RootMode::Pinned,
             gravity: Vec3::new(0.0, -9.81, 0.0),
-            ground: floor.map(|height_m| Ground::level(height_m, 0.8)),
+            ground: floor.map(|height_m| Ground::level(height_m, FRICTION)),
             balance: BalanceSettings::default(),
         },
         pushes: Vec::new(),
@@ -388,6 +439,7 @@ fn stage_clip(path: &Path, body: Option<&Path>, import: &ImportOptions) -> Resul
         clamped: clamped as f64 / kinematic.frames() as f64,
         kinematic,
         clip: Some(ClipSource { clip, map, import: report, body: guess }),
+        stance: Some(stance),
         character,
     })
 }
@@ -405,21 +457,6 @@ fn floor(character: &Character, clip: &Clip) -> Option<f64> {
     lowest.sort_by(f64::total_cmp);
     let height = lowest[lowest.len() / 50];
     height.is_finite().then_some(height)
-}
-
-/// Plants of a clip whose feet all stay where they are from beginning to end; else none.
-fn standing(character: &Character, clip: &Clip) -> Vec<Plant> {
-    let skeleton = &character.skeleton;
-    let legs: Vec<_> = character.legs().collect();
-    let first = Kinematics::new(skeleton, clip.pose(0));
-    let mut k = first.clone();
-    for f in 0..clip.frames() {
-        k.update(skeleton, clip.pose(f));
-        if legs.iter().any(|l| (k.origin(l.end) - first.origin(l.end)).norm() > STANDS) {
-            return Vec::new();
-        }
-    }
-    legs.iter().map(|l| Plant::here(skeleton, clip.pose(0), l)).collect()
 }
 
 impl Stage {

@@ -7,7 +7,7 @@
 use std::sync::Arc;
 use std::time::Instant;
 
-use controllers::assist::{self, Budget};
+use controllers::assist::{Assist, Budget};
 use controllers::stops::STIFFNESS_RATIO;
 use controllers::{Controller, LegTension, Sagging, Setup};
 use dynamics::fall::{self, Fall};
@@ -155,12 +155,19 @@ impl Pass {
         disturbed.carried = load.handed();
         recorder.disturbed = !self.pushes.is_empty() || load.changes();
         recorder.record(&state, &world, &controller, 0, Outside::default());
+        let assist = match root {
+            RootMode::Assisted { force_n, moment_nm } => {
+                Some(Assist::new(&controller.model, Budget { force_n, moment_nm }))
+            }
+            RootMode::Free | RootMode::Pinned => None,
+        };
         Ok(Run {
             controller,
             world,
             recorder,
             state,
             root,
+            assist,
             pushes: self.pushes,
             load,
             row: 0,
@@ -178,6 +185,7 @@ pub struct Run<E: Engine = World> {
     recorder: Recorder,
     state: State,
     root: RootMode,
+    assist: Option<Assist>,
     pushes: Vec<Push>,
     load: Load,
     row: usize,
@@ -246,14 +254,14 @@ impl<E: Engine> Run<E> {
         }
         match self.root {
             RootMode::Free => {}
-            RootMode::Assisted { force_n, moment_nm } => {
-                let budget = Budget { force_n, moment_nm };
-                let goal = controller.goal();
-                let to = (goal.pose(row), goal.velocity(row));
-                let now = (world.q(), world.v());
-                let w = assist::wrench(&controller.model, state, budget, now, to);
-                world.add_wrench(&w);
-                outside.held = Some(w);
+            RootMode::Assisted { .. } => {
+                if let Some(assist) = &mut self.assist {
+                    let goal = controller.goal();
+                    let to = (goal.pose(row), goal.velocity(row));
+                    let w = assist.wrench(&controller.model, state, world.q(), to);
+                    world.add_wrench(&w);
+                    outside.held = Some(w);
+                }
             }
             RootMode::Pinned => world.move_root(state, controller.goal().pose(row)),
         }

@@ -240,7 +240,7 @@ fn a_clip_without_a_human() {
 fn arguments_out_of_range() {
     let place = Place::new();
     let scene = place.scene("", "");
-    let cases: [(&[&str], &[&str]); 12] = [
+    let cases: [(&[&str], &[&str]); 17] = [
         (&["--root", "loose"], &["--root", "loose", "free, pinned, assisted"]),
         (&["--root", "assisted:80"], &["assisted:FORCE_N,MOMENT_NM"]),
         (&["--tension", "0"], &["--tension", "allowed: 0.001 to 1000"]),
@@ -253,6 +253,11 @@ fn arguments_out_of_range() {
         (&["--up", "x"], &["--up", "y, z"]),
         (&["--units", "0.01"], &["--units is for clips"]),
         (&["--body", "characters/human.ron"], &["--body is for clips"]),
+        (&["--fidelity", "1.5"], &["--fidelity", "allowed: 0 to 1"]),
+        (&["--pareto", "0,2"], &["--pareto", "allowed: 0 to 1"]),
+        (&["--fidelity", "0.5", "--root", "free"], &["--fidelity", "--root", "cannot be used with"]),
+        (&["--span", "3..1"], &["--span", "FROM..TO in seconds"]),
+        (&["--span", "1..3"], &["--span is for clips"]),
     ];
     for (options, words) in cases {
         refused(&place, &scene, options, words);

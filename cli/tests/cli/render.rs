@@ -283,6 +283,52 @@ fn a_clip() {
     assert_eq!(field(&report(&place, "out"), "dynamic.root.mode"), "free");
 }
 
+/// A clip that stands, then walks off: its standing span is performed free, in a folder of its own; the rest is named
+/// and is not. A later run without spans takes the folder away.
+#[test]
+fn a_clip_that_steps() {
+    let place = Place::new();
+    let clip =
+        std::path::Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../../shared/mocap/bvh/127_04.bvh"));
+    let done = place.render(clip, &["--root", "free", "--no-plots"]);
+    assert_eq!(done.code, 0, "{}", done.stderr);
+    for word in ["its standing span performed", "the body stands", "steps: leg_l, leg_r; not performed"] {
+        assert!(done.stdout.contains(word), "`{word}` is not in\n{}", done.stdout);
+    }
+    let whole = report(&place, "out");
+    let spans = field(&whole, "spans").as_array().unwrap();
+    assert_eq!(spans.len(), 2);
+    assert_eq!((spans[0]["folder"].as_str(), spans[1]["folder"].as_str()), (Some("span_1"), None));
+    assert_eq!(spans[0]["dynamic"]["fell"], false);
+    assert!(whole.get("dynamic").is_none());
+    let part = report(&place, "out/span_1");
+    assert_eq!(field(&part, "dynamic.root.mode"), "free");
+    assert!(place.at("out/span_1/dynamic.bvh").exists() && !place.at("out/dynamic.bvh").exists());
+
+    // the standing part alone is an ordinary run; beyond the clip there is none
+    let done = place.render(clip, &["--root", "free", "--span", "0..1.4", "--no-plots"]);
+    assert_eq!(done.code, 0, "{}", done.stderr);
+    assert!(place.at("out/dynamic.bvh").exists() && !place.at("out/span_1").exists());
+    let done = place.render(clip, &["--span", "1..9"]);
+    assert_eq!(done.code, 2);
+    assert!(done.stderr.contains("no span 1..9 s; the clip lasts 3.7"), "{}", done.stderr);
+}
+
+/// Fidelities side by side: a table, JSON, a figure.
+#[test]
+fn a_pareto_curve() {
+    let place = Place::new();
+    let scene = place.scene("", "");
+    let done = place.run(&["render", scene.to_str().unwrap(), "--pareto", "0.4,0", "--out", "out", "--json"]);
+    assert_eq!(done.code, 0, "{}", done.stderr);
+    let curve: serde_json::Value = serde_json::from_str(&done.stdout).unwrap();
+    assert_eq!(curve, report(&place, "out"));
+    let fidelities: Vec<_> =
+        curve["points"].as_array().unwrap().iter().map(|p| p["fidelity"].as_f64()).collect();
+    assert_eq!(fidelities, [Some(0.0), Some(0.4)]);
+    assert!(place.at("out/plots/pareto.svg").exists() && place.at("out/plots/pareto.png").exists());
+}
+
 /// The body that `inspect` writes performs the clip as the guessed one does.
 #[test]
 fn a_clip_with_its_written_body() {

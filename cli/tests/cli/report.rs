@@ -39,8 +39,9 @@ fn the_document_names_every_field() {
         carried: [Carried(link: \"wrist_r\", mass_kg: 1)],
         pushes: [Push(link: \"chest\", impulse_ns: (0, 0, 400), start_s: 0.1)]",
     );
-    for input in [scene, clip] {
-        let done = place.render(&input, &["--json"]);
+    // an assisted root has a budget
+    for (input, root) in [(scene.clone(), "free"), (scene, "assisted"), (clip, "pinned")] {
+        let done = place.render(&input, &["--json", "--root", root]);
         assert_eq!(done.code, 0, "{}", done.stderr);
         let report: serde_json::Value = serde_json::from_str(&done.stdout).unwrap();
         paths(&report, "", &mut fields);

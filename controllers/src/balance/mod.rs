@@ -20,6 +20,11 @@
 //! 5. *Ankle limit*: the torque of each ankle is limited so that its own centre of pressure stays
 //!    inside its sole; a stiff ankle would tip the foot.
 //!
+//! A goal that moves through its own dynamics (a captured clip) comes with a [`Feed`], see [`Balance::follow`]: errors
+//! and their rates are then to the moving goal, the force and the lead of its centre of pressure over its centre of
+//! mass are added, and the feet share the load by the pressures of their corners ([`pressed_wrenches`]), which reach
+//! the corners of the support where an equal offset of both feet leaves one sole too soon.
+//!
 //! In: state, goal pose, feet. Out: drives of the legs and the spine. No clock and no engine; its memory is the integral,
 //! the lean, how far the answers to pushes are awake and the pelvis' last velocity. World frame.
 
@@ -39,8 +44,8 @@ use motion::support::{Vec2, ground};
 
 use crate::antagonist::SetPoints;
 use crate::reactive::{AHEAD, Moment, Reactive, rate_between};
-use crate::support::{Foot, clamp_inside, polygon, shared_wrenches, shares};
-use crate::{Drive, Rest, rest_of};
+use crate::support::{Foot, clamp_inside, polygon, pressed_wrenches, shared_wrenches, shares};
+use crate::{Drive, Feed, Rest, rest_of};
 
 use hip::Hip;
 pub use settings::{BalanceSettings, Strategy, StrategyError};
@@ -62,6 +67,7 @@ pub struct Balance {
     feet: Vec<Foot>,
     plants: Vec<Plant>,
     integral: Vec2,
+    feed: Option<Feed>,
     /// What wakes the weight shift, and the hip strategy.
     wake: [Wake; 2],
     hip: Hip,
@@ -107,6 +113,7 @@ impl Balance {
             feet,
             plants,
             integral: Vec2::zeros(),
+            feed: None,
             wake: [Wake::default(); 2],
             hip: Hip::new(model, &mut tried),
             before: None,
@@ -122,6 +129,12 @@ impl Balance {
             tau: rates(),
             loads: [rates(), rates(), rates(), rates()],
         }
+    }
+
+    /// What the goal's own motion needs of the ground in the next step; `None` for a goal that stands still or
+    /// moves slowly. Errors are then those to the moving goal.
+    pub fn follow(&mut self, feed: Option<Feed>) {
+        self.feed = feed;
     }
 
     /// Bodies of the legs it drives: thigh, shin, foot of each foot.
@@ -157,6 +170,8 @@ impl Balance {
         let support = polygon(&self.feet, model, &self.now);
         let centers: Vec<Vec3> = self.feet.iter().map(|f| f.center(model, &self.now)).collect();
         let force = (Vec3::y() * lift - model.gravity) * model.mass;
+        let force = self.feed.map_or(force, |f| f.force);
+        let lead = self.feed.map_or(Vec2::zeros(), |f| f.lead);
         let mut force = if force.y > 0.0 { force } else { Vec3::zeros() };
         let per_height = omega * omega / model.gravity.norm(); // 1/h
 
@@ -166,7 +181,7 @@ impl Balance {
                 self.hip.inertia = Some(self.lean_inertia(model, goal_q, over)?);
             }
             let sudden = self.wake[1].update(&s, stray, dt);
-            let wanted = ground(&com) + rate + stray * (s.hip_gain * sudden);
+            let wanted = ground(&com) + lead + rate + stray * (s.hip_gain * sudden);
             let inside = |p| clamp_inside(&support, p, s.margin_m);
             hip_pressure = Some(self.hip.step(&s, wanted, inside, force.y, dt));
         }
@@ -201,7 +216,8 @@ impl Balance {
         let speed = ground(&vec_at(v, 0));
         self.ahead.copy_from_slice(&self.goal);
         if reacts {
-            let mut going = along(speed) * (s.weight_yield * AHEAD);
+            let asked = if self.feed.is_some() { ground(&vec_at(goal_v, 0)) } else { Vec2::zeros() };
+            let mut going = along(speed - asked) * (s.weight_yield * AHEAD);
             if leans {
                 let on = self.lean(model, self.hip.lean + self.hip.rate * AHEAD, goal_q, over)? - moved;
                 going += on - along(on) * s.weight_yield;
@@ -232,22 +248,28 @@ impl Balance {
 
         // the legs carry the body as it stands
         let pressure = ground(&com)
+            + lead
             + error * s.pressure
             + rate * s.pressure_damping
             + along(error) * (s.weight - s.pressure)
             + along(rate) * (s.weight_damping - s.pressure_damping);
         let pressure = hip_pressure.map_or(pressure, |p| pressure + (p - pressure) * acts);
-        let pressure = if s.ankle { pressure } else { ground(&com) };
+        let pressure = if s.ankle { pressure } else { ground(&com) + lead };
         let pressure = clamp_inside(&support, pressure, s.margin_m);
-        let fall = ground(&com) - pressure;
+        let fall = ground(&com) + lead - pressure;
         let pointed =
             along(fall) + (fall - line.as_ref().map_or(Vec2::zeros(), |l| l.part(fall)) * fade) * acts;
         let thrust = (pointed * force.y - self.hip.moment()) * per_height;
         force += Vec3::new(thrust.x, 0.0, thrust.y);
         self.now.update(model, q, &self.still);
-        let sharing = line.as_ref().map_or(pressure, |l| l.sharing(pressure));
-        let shares = shares(&centers, pressure + (sharing - pressure) * fade);
-        let loads = shared_wrenches(&self.feet, &centers, &shares, pressure, force);
+        let (shares, loads) = if self.feed.is_some() {
+            pressed_wrenches(&self.feet, model, &self.now, pressure, force)
+        } else {
+            let sharing = line.as_ref().map_or(pressure, |l| l.sharing(pressure));
+            let shares = shares(&centers, pressure + (sharing - pressure) * fade);
+            let loads = shared_wrenches(&self.feet, &centers, &shares, pressure, force);
+            (shares, loads)
+        };
         self.now.inverse_dynamics(model, &self.still, &self.accel, &loads, &mut self.tau);
         if leans {
             self.lean_spine(model, set_points, goal_q, unforeseen, drives);
@@ -298,6 +320,7 @@ impl Balance {
         let error = ground(&com) - over;
         let rate = ground(&(momentum.linear / model.mass)) / omega;
         let stray = error + rate - ground(&(asked.linear / model.mass)) / omega;
+        let rate = rate - self.feed.map_or(Vec2::zeros(), |f| f.rate) / omega;
         Sway { com, over, error, rate, stray, omega }
     }
 

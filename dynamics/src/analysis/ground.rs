@@ -332,11 +332,12 @@ fn pressure_center(com: Vec3, force: Vec3, moment_com: Vec3, height: f64) -> Vec
 
 /// Pressures of touching corners with their centre at `aim` (in the hull of them): see the module header.
 ///
+/// `at`: corners, m. `touch`: their α, at least one above zero. `share`: the pressures found, they sum to 1.
 /// Returns the centre reached, equal to `aim` within about 1e-8 m.
 ///
 /// The dual problem is solved by Newton's method: `w = α max(0, a·λ)` with `a = (1, x, z)`; it minimises
 /// `½ Σ α max(0, a·λ)² − b·λ + ½ ε |λ|²`, whose gradient is the condition on Σ w and Σ w x.
-fn pressures(at: &[Vec3], touch: &[f64], aim: Vec3, share: &mut [f64]) -> Vec3 {
+pub fn pressures(at: &[Vec3], touch: &[f64], aim: Vec3, share: &mut [f64]) -> Vec3 {
     const SIZE: f64 = 0.1; // m: makes the three unknowns alike
     const EPSILON: f64 = 1e-9;
     let row = |p: &Vec3| Vec3::new(1.0, (p.x - aim.x) / SIZE, (p.z - aim.z) / SIZE);

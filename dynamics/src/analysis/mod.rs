@@ -30,7 +30,7 @@ use thiserror::Error;
 use crate::{Character, Model, PoseMap, PoseMapError, State, Wrench};
 
 pub use grade::{Grade, Residual};
-pub use ground::{Contact, Ground, Violations};
+pub use ground::{Contact, Ground, Violations, pressures};
 pub use noise::NoiseFloor;
 
 use ground::{Floor, Soles};

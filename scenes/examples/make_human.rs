@@ -1,5 +1,0 @@
-//! Writes the standard figure: `cargo run --release -p scenes --example make_human > scenes/characters/human.ron`.
-
-fn main() {
-    print!("{}", scenes::character_file::human_text());
-}
