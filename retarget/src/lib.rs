@@ -8,6 +8,8 @@
 //! | [`subject`] | performer and puppet |
 //! | [`features`] | feature points and the root's local frame |
 //! | [`key_poses`] | pairs of human and character poses |
+//! | [`fit`] | joint angles from feature points |
+//! | [`mod@global_transform`] | where the body goes |
 //! | [`contacts`] | contact phases, contact adjustment |
 //! | [`options`] | what may be told |
 //! | [`result`] | what comes out |
@@ -17,9 +19,13 @@
 //!
 //! \[YAH10\] Yamane, Ariki, Hodgins. Animating Non-Humanoid Characters with Human Motion Data, SCA 2010.
 
+mod axes;
+mod cholesky;
 pub mod contacts;
 mod error;
 pub mod features;
+pub mod fit;
+pub mod global_transform;
 pub mod key_poses;
 pub mod options;
 pub mod pipeline;
@@ -29,6 +35,7 @@ pub mod subject;
 pub use contacts::Phase;
 pub use error::RetargetError;
 pub use features::{Features, RootFrame};
+pub use global_transform::{Scale, global_transform};
 pub use key_poses::{KeyPose, KeyPoses};
 pub use options::{
     ContactOptions, GlobalOptions, MappingModel, Options, RefineDofs, RefineOptions, SizeRatio, Stage,
