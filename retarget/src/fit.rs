@@ -14,13 +14,13 @@
 
 use std::sync::Arc;
 
-use motion::skeleton::Limits;
 use motion::{Joint, Kinematics, Quat, Skeleton, Vec3, rotation};
 use nalgebra::{Matrix3, Rotation3};
 
 use crate::axes::{Axes, Axis};
 use crate::cholesky;
 use crate::features::Features;
+use crate::limits::way_back;
 
 /// Most steps for one frame.
 const STEPS: usize = 40;
@@ -152,27 +152,12 @@ impl JointFit {
         })
     }
 
-    /// Excess of each limited joint: link, and the rotation (or way) back to the limits.
-    fn excess(&self, q: &[f64], link: usize) -> Option<Vec3> {
-        let (l, at) = (&self.skeleton.links()[link], self.skeleton.q_at(link));
-        match (&l.limits, l.joint) {
-            (Some(Limits::Axis(r)), Joint::Revolute(_) | Joint::Prismatic(_)) if !r.contains(q[at]) => {
-                Some(Vec3::new(r.clamp(q[at]) - q[at], 0.0, 0.0))
-            }
-            (Some(Limits::Ball(b)), Joint::Spherical) => {
-                let r = self.skeleton.rotation(q, link);
-                let c = b.clamp(&r);
-                (c != r).then(|| rotation::log(&(c * r.inverse())))
-            }
-            _ => None,
-        }
-    }
-
     fn cost(&mut self, z: &[f64], q: &[f64]) -> f64 {
         self.k.update(&self.skeleton, q);
         let points: f64 = self.residuals(z).map(|(_, _, r)| r.norm_squared()).sum();
         let links = 1..self.skeleton.links().len();
-        let beyond: f64 = links.filter_map(|i| self.excess(q, i)).map(|e| e.norm_squared()).sum();
+        let beyond: f64 =
+            links.filter_map(|i| way_back(&self.skeleton, q, i)).map(|e| e.norm_squared()).sum();
         points + self.limit * self.limit * beyond
     }
 
@@ -204,7 +189,7 @@ impl JointFit {
         }
         let s2 = self.limit * self.limit;
         for link in 1..self.skeleton.links().len() {
-            let Some(e) = self.excess(q, link) else { continue };
+            let Some(e) = way_back(&self.skeleton, q, link) else { continue };
             let at = self.skeleton.v_at(link) - 6 + ROOT;
             let (size, dofs) = (e.norm(), self.skeleton.links()[link].joint.nv());
             // only the way along the excess changes it: J = −ê êᵀ

@@ -8,9 +8,11 @@
 //! | [`subject`] | performer and puppet |
 //! | [`features`] | feature points and the root's local frame |
 //! | [`key_poses`] | pairs of human and character poses |
+//! | [`mod@prepare`] | the human clip as the stages want it |
 //! | [`fit`] | joint angles from feature points |
 //! | [`mod@global_transform`] | where the body goes |
 //! | [`contacts`] | contact phases, contact adjustment |
+//! | [`mod@refine`] | physics and collisions |
 //! | [`options`] | what may be told |
 //! | [`result`] | what comes out |
 //! | [`pipeline`] | all stages in order |
@@ -27,8 +29,11 @@ pub mod features;
 pub mod fit;
 pub mod global_transform;
 pub mod key_poses;
+mod limits;
 pub mod options;
 pub mod pipeline;
+pub mod prepare;
+pub mod refine;
 pub mod result;
 pub mod subject;
 
@@ -41,5 +46,6 @@ pub use options::{
     ContactOptions, GlobalOptions, MappingModel, Options, RefineDofs, RefineOptions, SizeRatio, Stage,
 };
 pub use pipeline::run;
+pub use prepare::prepare;
 pub use result::{ContactReport, MappingReport, MomentumReport, RefinementReport, Retargeted};
 pub use subject::{ContactPoint, Follow, Performer, Puppet};

@@ -1,0 +1,6 @@
+//! The laws of every stage.
+
+mod bodies;
+mod contacts;
+mod fit;
+mod global;
