@@ -1,0 +1,74 @@
+//! Maps learned from pairs of vectors: plain matrices in, plain matrices out. Knows no bodies.
+//!
+//! In: [`Pairs`] of an input and an output vector each (rows of two matrices, any unit). Out: a model that predicts the
+//! output for a new input, with a variance, a confidence, and whether it extrapolates. All models are
+//! [`Regressor`]s and are fixed once fitted; [`Scratch`] is what a prediction writes into.
+//!
+//! | module | holds |
+//! |---|---|
+//! | [`pairs`] | checked pairs |
+//! | [`regressor`] | what every model can do: predict, with variance; the covariance of what it does not know |
+//! | [`gplvm`] | shared Gaussian process latent variable model [YAH10] |
+//! | [`gp`] | Gaussian process regression |
+//! | [`pca`] | principal components and a linear map |
+//! | [`nearest`] | interpolation of nearest neighbours |
+//! | [`model`] | any of these by name, and as stored |
+//! | [`sequence`] | frames mapped one after the other; how smooth a latent path is |
+//! | [`mod@suggest`] | which frames to key next |
+//! | [`validate`] | errors on pairs left out |
+//! | [`kcca`] | kernel canonical correlation analysis |
+//! | [`kernel`] | the kernel of the Gaussian processes |
+//! | [`error`] | what can be wrong |
+//!
+//! ```
+//! use learn::{GplvmOptions, Mapper, Method, Model, Pairs};
+//! use nalgebra::DMatrix;
+//!
+//! // Twelve poses of a joint at t/10 rad; a lamp whose two angles answer with sines.
+//! let human = DMatrix::from_fn(12, 2, |i, k| 0.1 * i as f64 * if k == 0 { 1.0 } else { -0.5 });
+//! let lamp = DMatrix::from_fn(12, 2, |i, k| (0.1 * i as f64 + k as f64).sin());
+//! let model = Model::fit(Method::Gplvm, &Pairs::new(&human, &lamp)?, &GplvmOptions::default())?;
+//! let mut mapper = Mapper::new(&model);
+//! let pose = mapper.map(&[0.55, -0.275])?;
+//! assert!((pose.mean[0] - 0.55_f64.sin()).abs() < 0.01);
+//! assert!(pose.confidence > 0.99 && !pose.extrapolates());
+//! assert!(mapper.map(&[3.0, 3.0])?.extrapolates());
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+//!
+//! [YAH10] Yamane, Ariki, Hodgins. Animating non-humanoid characters with human motion data. SCA 2010.
+
+mod cover;
+mod dense;
+mod descend;
+#[cfg(test)]
+mod fixture;
+pub mod error;
+pub mod gp;
+pub mod gplvm;
+pub mod kcca;
+pub mod kernel;
+mod likelihood;
+pub mod model;
+pub mod nearest;
+pub mod pairs;
+pub mod pca;
+mod posterior;
+pub mod regressor;
+pub mod sequence;
+pub mod suggest;
+pub mod validate;
+
+pub use error::{FitError, InputError};
+pub use gp::GpRegression;
+pub use gplvm::{GplvmOptions, Learning, SharedGplvm, Start};
+pub use kcca::KernelCca;
+pub use kernel::Kernel;
+pub use model::{Method, Model, UnknownMethod};
+pub use nearest::Nearest;
+pub use pairs::Pairs;
+pub use pca::PcaLinear;
+pub use regressor::{Doubt, Jump, Prediction, Regressor, Scratch};
+pub use sequence::{Mapped, Mapper, PathShape, map_frames, path_shape};
+pub use suggest::{Criterion, Suggestion, suggest};
+pub use validate::{LeftOut, key_pose_error, leave_out, rms_error};

@@ -1,0 +1,112 @@
+//! Which frames to key next: those the model is least sure of, or those that would teach it the most.
+//!
+//! A model's doubt is a covariance of its errors between frames ([`Doubt`]). Frames are named greedily: each one named is
+//! taken for known (its row of the covariance is conditioned on), so that five names are five poses and not five
+//! neighbours. No output is needed for that: the variance of a Gaussian process does not depend on what it observes.
+
+use nalgebra::DMatrix;
+
+use crate::error::InputError;
+use crate::regressor::{Doubt, Regressor};
+
+/// Frames, evenly spread, over which usefulness is weighed.
+const WITNESSES: usize = 400;
+
+/// What makes a frame worth keying.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Criterion {
+    /// The model knows least about it.
+    LeastSure,
+    /// Knowing it removes most doubt, summed over all frames.
+    #[default]
+    MostUseful,
+}
+
+/// A frame worth keying.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Suggestion {
+    /// Row of the frames.
+    pub frame: usize,
+    /// Expected squared error there when it is named, in units of the variance of the key outputs: the frames
+    /// named before it are taken for keyed.
+    pub doubt: f64,
+    /// Mean expected squared error over all frames once it is keyed too, same units.
+    pub left: f64,
+}
+
+/// Names up to `count` rows of `frames` (F × D_Y), the most wanted first.
+///
+/// # Errors
+/// A wrong number of coordinates, or one that is not finite.
+pub fn suggest<R: Regressor + ?Sized>(
+    model: &R,
+    frames: &DMatrix<f64>,
+    count: usize,
+    criterion: Criterion,
+) -> Result<Vec<Suggestion>, InputError> {
+    let mut greedy = Greedy::new(model.doubt(frames)?);
+    let mut named = Vec::new();
+    for _ in 0..count.min(frames.nrows()) {
+        let frame = match criterion {
+            Criterion::LeastSure => greedy.least_sure(),
+            Criterion::MostUseful => greedy.most_useful(),
+        };
+        let doubt = greedy.variance[frame].max(0.0);
+        greedy.know(frame);
+        let left = greedy.variance.iter().map(|v| v.max(0.0)).sum::<f64>() / greedy.variance.len() as f64;
+        named.push(Suggestion { frame, doubt, left });
+    }
+    Ok(named)
+}
+
+struct Greedy {
+    doubt: Doubt,
+    /// Posterior variance of every frame.
+    variance: Vec<f64>,
+    /// One column per frame known: cov(·, frame)/√(cov(frame, frame) + noise), conditioned on those before.
+    columns: Vec<Vec<f64>>,
+    known: Vec<usize>,
+}
+
+impl Greedy {
+    fn new(doubt: Doubt) -> Self {
+        let variance = (0..doubt.frames()).map(|f| doubt.covariance(f, f)).collect();
+        Greedy { doubt, variance, columns: Vec::new(), known: Vec::new() }
+    }
+
+    fn covariance(&self, f: usize, g: usize) -> f64 {
+        self.doubt.covariance(f, g) - self.columns.iter().map(|c| c[f] * c[g]).sum::<f64>()
+    }
+
+    fn best(&self, frames: impl Iterator<Item = usize>, score: impl Fn(usize) -> f64) -> usize {
+        let mut best = (0, f64::NEG_INFINITY);
+        for f in frames.filter(|f| !self.known.contains(f)) {
+            let s = score(f);
+            if s > best.1 {
+                best = (f, s);
+            }
+        }
+        best.0
+    }
+
+    fn least_sure(&self) -> usize {
+        self.best(0..self.variance.len(), |f| self.variance[f])
+    }
+
+    fn most_useful(&self) -> usize {
+        let step = self.variance.len().div_ceil(WITNESSES);
+        let witnesses = || (0..self.variance.len()).step_by(step);
+        self.best(witnesses(), |g| {
+            let gain: f64 = witnesses().map(|f| self.covariance(f, g).powi(2)).sum();
+            gain / (self.variance[g] + self.doubt.kernel.noise())
+        })
+    }
+
+    fn know(&mut self, g: usize) {
+        let scale = 1.0 / (self.variance[g].max(0.0) + self.doubt.kernel.noise()).sqrt();
+        let column: Vec<f64> = (0..self.variance.len()).map(|f| scale * self.covariance(f, g)).collect();
+        self.variance.iter_mut().zip(&column).for_each(|(v, c)| *v -= c * c);
+        self.columns.push(column);
+        self.known.push(g);
+    }
+}
