@@ -48,6 +48,8 @@ pub struct StripOptions {
     pub ground_m: Option<f64>,
     /// Title; `None` names the rows.
     pub title: Option<String>,
+    /// Red, green and blue per link; links beyond the end or with `None` are tinted by their side.
+    pub colors: Vec<Option<[u8; 3]>>,
 }
 
 impl Default for StripOptions {
@@ -62,6 +64,7 @@ impl Default for StripOptions {
             to_s: None,
             ground_m: None,
             title: None,
+            colors: Vec::new(),
         }
     }
 }
@@ -157,7 +160,12 @@ impl Scene {
         let start = poses.first().and_then(|r| r.first()).map_or(Vec3::zeros(), |k| k.origin(0));
         let level = |p: Vec3| Vec3::new(p.x, ground, p.z);
         let travels = all().any(|k| (level(k.origin(0)) - level(start)).norm() > FOLLOW);
-        let tints = tints(character);
+        let mut tints = tints(character);
+        for (tint, color) in tints.iter_mut().zip(&options.colors) {
+            if let Some([red, green, blue]) = *color {
+                *tint = Color(red, green, blue);
+            }
+        }
         let groups = groups(character, &tints);
         let frame = |k: &Kinematics| {
             let origin = level(if travels { k.origin(0) } else { start });

@@ -10,6 +10,7 @@
 //! | [`schema`] | its words |
 //! | [`stage`] | a scene or a clip, ready to be performed |
 //! | [`export`] | a body as MJCF |
+//! | [`footwork`] | planted feet that step, and jumps |
 //! | [`inspect`] | what is in a file |
 //! | [`overrides`] | numbers of the dynamic pass given beside the file |
 //! | [`push`] | the push-recovery map of a standing body |
@@ -25,6 +26,7 @@ pub mod angle;
 pub mod character_file;
 pub mod error;
 pub mod export;
+pub mod footwork;
 pub mod inspect;
 pub mod overrides;
 pub mod push;

@@ -127,6 +127,8 @@ pub struct Stage {
     pub pushes: Vec<Push>,
     /// How film strips are drawn.
     pub strip: StripRon,
+    /// Colour of each link, where the character's file has one.
+    pub colors: Vec<Option<[u8; 3]>>,
     /// The clip behind it; `None` for a scene.
     pub clip: Option<ClipSource>,
     /// Fraction of the frames that joint limits changed.
@@ -227,6 +229,7 @@ pub fn stage_scene(scene: Scene) -> Result<Stage, SceneError> {
         physics: scene.physics,
         pushes: scene.pushes.clone(),
         strip: scene.strip,
+        colors: scene.colors.clone(),
         clip: None,
         clamped,
         character,
@@ -259,7 +262,12 @@ impl Sampler<'_> {
                 continue;
             }
             if self.scene.physics.root == RootMode::Pinned {
-                plant(skeleton, q, self.plants).map_err(ik)?;
+                let (plants, height) = self.scene.footwork.at(f as f64 / self.scene.rate_hz, self.plants);
+                if height > 0.0 {
+                    let root = skeleton.position(q, 0) + Vec3::y() * height;
+                    skeleton.set_position(q, 0, &root);
+                }
+                plant(skeleton, q, &plants).map_err(ik)?;
             } else {
                 let moved = ground(&(skeleton.position(q, 0) - home));
                 posture::settle(&model, &mut state, q, self.plants, stance + moved).map_err(ik)?;
@@ -279,8 +287,13 @@ fn stage_clip(path: &Path, body: Option<&Path>, import: &ImportOptions) -> Resul
     if clip.frames() < 2 {
         return Err(StageError::Short { path: shown, frames: clip.frames() });
     }
+    let mut colors = Vec::new();
     let (character, guess) = match body {
-        Some(file) => (character_file::read(file)?, None),
+        Some(file) => {
+            let read = character_file::read_file(file)?;
+            colors = read.colors;
+            (read.character, None)
+        }
         None => {
             let guessed = guess_body_of_clip(&clip, &BodyOptions::default());
             let (c, r) = guessed.map_err(|source| StageError::Body { path: shown.clone(), source })?;
@@ -319,6 +332,7 @@ fn stage_clip(path: &Path, body: Option<&Path>, import: &ImportOptions) -> Resul
         },
         pushes: Vec::new(),
         strip: StripRon::default(),
+        colors,
         clamped: clamped as f64 / kinematic.frames() as f64,
         kinematic,
         clip: Some(ClipSource { clip, map, import: report, body: guess }),
