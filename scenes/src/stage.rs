@@ -311,33 +311,13 @@ fn stage_clip(path: &Path, body: Option<&Path>, import: &ImportOptions) -> Resul
     }
     let name = path.file_stem().map_or_else(|| "clip".into(), |s| s.to_string_lossy().into_owned());
     let floor = floor(&character, &kinematic);
-    let plants = standing(&character, &kinematic);
-    let rate = clip.rate_hz;
-    Ok(Stage {
-        name,
-        unedited: kinematic.clone(),
-        tracks: None,
-        plain: None,
-        log: EditLog::default(),
-        plants,
-        physics: Physics {
-            // whole control steps per frame, near 240 Hz
-            rate_hz: rate * (240.0 / rate).round().max(1.0),
-            substeps: None,
-            tension: 1.0,
-            blend: controllers::GainBlend::RestAngle,
-            root: RootMode::Pinned,
-            gravity: Vec3::new(0.0, -9.81, 0.0),
-            ground: floor.map(|height_m| Ground { height_m, friction: 0.8 }),
-        },
-        pushes: Vec::new(),
-        strip: StripRon::default(),
-        colors,
-        clamped: clamped as f64 / kinematic.frames() as f64,
-        kinematic,
-        clip: Some(ClipSource { clip, map, import: report, body: guess }),
-        character,
-    })
+    let clamped = clamped as f64 / kinematic.frames() as f64;
+    let mut stage = Stage::of_clip(name, character, kinematic);
+    stage.physics.ground = floor.map(|height_m| Ground { height_m, friction: 0.8 });
+    stage.colors = colors;
+    stage.clamped = clamped;
+    stage.clip = Some(ClipSource { clip, map, import: report, body: guess });
+    Ok(stage)
 }
 
 /// Height below which 2 % of the frames' lowest contact points lie, m; `None` without contact points.
@@ -371,6 +351,36 @@ fn standing(character: &Character, clip: &Clip) -> Vec<Plant> {
 }
 
 impl Stage {
+    /// A stage for a clip of a character, on ground at height 0, with its root pinned.
+    pub fn of_clip(name: String, character: Arc<Character>, kinematic: Clip) -> Self {
+        let (plants, rate) = (standing(&character, &kinematic), kinematic.rate_hz);
+        Self {
+            name,
+            unedited: kinematic.clone(),
+            tracks: None,
+            plain: None,
+            log: EditLog::default(),
+            plants,
+            physics: Physics {
+                // whole control steps per frame, near 240 Hz
+                rate_hz: rate * (240.0 / rate).round().max(1.0),
+                substeps: None,
+                tension: 1.0,
+                blend: controllers::GainBlend::RestAngle,
+                root: RootMode::Pinned,
+                gravity: Vec3::new(0.0, -9.81, 0.0),
+                ground: Some(Ground { height_m: 0.0, friction: 0.8 }),
+            },
+            pushes: Vec::new(),
+            strip: StripRon::default(),
+            colors: Vec::new(),
+            clamped: 0.0,
+            kinematic,
+            clip: None,
+            character,
+        }
+    }
+
     /// The same stage with none of its edits.
     pub fn without_edits(&self) -> Self {
         Self {

@@ -11,7 +11,7 @@ mod read;
 mod schema;
 mod write;
 
-pub use read::{CharacterFile, HumanPart, parse, parse_file, read, read_file};
+pub use read::{CharacterFile, parse, parse_file, read, read_file};
 pub use write::write;
 
 /// The text of `characters/human.ron`.

@@ -9,6 +9,7 @@ use motion::{
     BallLimits, Joint, Limb, LimbKind, Limits, Link, Range, Shape, Site, Skeleton, Transform, Vec3,
 };
 use nalgebra::{Matrix3, Translation3};
+use retarget::{ContactPoint, Follow};
 
 use super::schema::{CharacterRon, FollowRon, JointRon, KindRon, LimitsRon, ShapeRon, V3, class};
 use crate::angle::{Angle, quat_from_deg};
@@ -56,31 +57,8 @@ pub struct CharacterFile {
     pub character: Character,
     /// Red, green and blue of each link; `None` is left to the figures.
     pub colors: Vec<Option<[u8; 3]>>,
-    /// For each contact point of the character the human parts whose contacts it takes over; empty
-    /// where the file says none.
-    pub follows: Vec<Vec<HumanPart>>,
-}
-
-/// A part of a human that touches the ground, or might.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
-pub enum HumanPart {
-    /// The left foot.
-    LeftFoot,
-    /// The right foot.
-    RightFoot,
-    /// The left hand.
-    LeftHand,
-    /// The right hand.
-    RightHand,
-}
-
-fn human_part(part: FollowRon) -> HumanPart {
-    match part {
-        FollowRon::LeftFoot => HumanPart::LeftFoot,
-        FollowRon::RightFoot => HumanPart::RightFoot,
-        FollowRon::LeftHand => HumanPart::LeftHand,
-        FollowRon::RightHand => HumanPart::RightHand,
-    }
+    /// The contact points whose counterparts on a human the file names.
+    pub follows: Vec<ContactPoint>,
 }
 
 fn vec3(v: V3) -> Vec3 {
@@ -103,17 +81,22 @@ impl Reader<'_> {
                 colors[at] = color;
             }
         }
-        let mut follows = vec![Vec::new(); character.contacts.len()];
-        for (name, parts) in &self.ron.follows {
+        let mut follows = Vec::new();
+        for (name, follow) in &self.ron.follows {
             let at = format!("follows{{\"{name}\"}}");
             let known = || character.contacts.iter().map(|&c| skeleton.sites()[c].name.as_str());
             let Some(contact) = known().position(|n| n == name) else {
                 return Err(self.source.unknown(&at, "contact point", name, " in follows", known()));
             };
-            let mut parts: Vec<HumanPart> = parts.iter().map(|p| human_part(*p)).collect();
-            parts.sort_unstable();
-            parts.dedup();
-            follows[contact] = parts;
+            let (human, follow) = match follow {
+                FollowRon::Any(human) => (human.clone(), Follow::Any),
+                FollowRon::All(human) => (human.clone(), Follow::All),
+            };
+            if human.is_empty() {
+                let e = format!("`{name}` follows no human contact point; it needs at least one");
+                return Err(self.source.error(&at, e));
+            }
+            follows.push(ContactPoint { site: character.contacts[contact], human, follow });
         }
         Ok(CharacterFile { character, colors, follows })
     }

@@ -19,7 +19,7 @@ pub(super) struct CharacterRon {
     #[serde(default)]
     pub(super) contacts: Vec<String>,
     #[serde(default)]
-    pub(super) follows: BTreeMap<String, Vec<FollowRon>>,
+    pub(super) follows: BTreeMap<String, FollowRon>,
     #[serde(default)]
     pub(super) limbs: Vec<LimbRon>,
     #[serde(default)]
@@ -118,14 +118,14 @@ pub(super) struct SiteRon {
     pub(super) at_m: V3,
 }
 
-/// Part of a human a contact point takes its contacts from.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Deserialize)]
-#[serde(rename = "human part")]
+/// Human contact points whose contact a point takes over.
+#[derive(Deserialize)]
+#[serde(rename = "follow")]
 pub(super) enum FollowRon {
-    LeftFoot,
-    RightFoot,
-    LeftHand,
-    RightHand,
+    /// While at least one of them touches the ground.
+    Any(Vec<String>),
+    /// Only while all of them do.
+    All(Vec<String>),
 }
 
 #[derive(Clone, Copy, Deserialize)]
