@@ -95,6 +95,7 @@ fn options(stage: &Stage) -> StripOptions {
         to_s: strip.to_s,
         yaw_deg: strip.yaw_deg,
         ground_m: stage.physics.ground.map(|g| g.height_m),
+        colors: stage.colors.clone(),
         ..StripOptions::default()
     }
 }

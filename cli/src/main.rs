@@ -16,6 +16,8 @@
 //! | [`drawing`] | the figures of `plot` and `analyze` |
 //! | [`mod@crosscheck`] | forces against MuJoCo |
 //! | [`push`] | how hard a standing body can be pushed |
+//! | [`mod@retarget`] | a human motion on a character |
+//! | [`retarget_figures`] | which figures that gets |
 //! | [`convert`] | one format to another |
 //! | [`output`] | all files or none |
 //! | [`progress`] | the bar |
@@ -35,6 +37,8 @@ mod plot;
 mod progress;
 mod push;
 mod render;
+mod retarget;
+mod retarget_figures;
 mod summary;
 
 use std::process::ExitCode;
@@ -51,6 +55,7 @@ fn main() -> ExitCode {
         Command::Analyze(args) => analyze::run(&args),
         Command::Crosscheck(args) => crosscheck::run(&args),
         Command::Push(args) => push::run(&args),
+        Command::Retarget(args) => retarget::run(&args),
         Command::Convert(args) => convert::run(&args),
     };
     match done {

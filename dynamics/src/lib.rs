@@ -9,6 +9,7 @@
 //! | [`analysis_files`] | an analysis as CSV, MOT, npz, and as a trace |
 //! | [`anthropometry`] | a body for any human-like skeleton |
 //! | [`character`] | mass, inertia, shapes and contact points on a skeleton |
+//! | [`density`] | mass and inertia of solids of even density |
 //! | [`mjcf`] | a character as MJCF |
 //! | [`mujoco_layout`] | between our vectors and MuJoCo's |
 //! | [`model`] | a character compiled for dynamics, and its world-frame state |
@@ -31,6 +32,7 @@ pub mod analysis_files;
 pub mod anthropometry;
 pub mod character;
 pub mod crba;
+pub mod density;
 pub mod derivatives;
 pub mod forward;
 pub mod ground_forces;

@@ -19,6 +19,8 @@
 //! | [`torque`] | torques of the joints that work hardest, over their noise |
 //! | [`energy`] | energies, and the power of the joints |
 //! | [`polar`] | push-recovery maps: impulse survived per direction, against the limit |
+//! | [`retargeted`] | latent paths, momentum and force matched, confidence, tables |
+//! | [`stages`] | film strip with a column for every stage of a motion on its way to another body |
 //! | [`excerpt`] | a span of a trace, chosen joints |
 //! | [`camera`], [`solid`] | who looks at them, and how shapes become polygons |
 //! | [`panel`] | axes, curves, legends, pages of small multiples |
@@ -42,7 +44,9 @@ pub mod overlay;
 pub mod panel;
 pub mod polar;
 pub mod residual;
+pub mod retargeted;
 pub mod solid;
+pub mod stages;
 pub mod strip;
 pub mod style;
 pub mod torque;
@@ -60,5 +64,9 @@ pub use momentum::momenta;
 pub use overlay::{Witness, WitnessKind, contact_overlay};
 pub use polar::{Spoke, push_map};
 pub use residual::momentum_residual;
+pub use retargeted::{
+    Confidence, LatentPath, Table, confidence_strip, force_match, latent_paths, momentum_match, table,
+};
+pub use stages::{StageColumn, stage_strip};
 pub use strip::{StripOptions, StripRow, film_strip, film_strip_with};
 pub use torque::joint_torques;

@@ -170,6 +170,7 @@ fn reach(shapes: &[Shape]) -> f64 {
         Shape::Capsule { a, b, radius } => a.norm().max(b.norm()) + radius,
         Shape::Box { center, half, .. } => center.norm() + half.norm(),
         Shape::Sphere { center, radius } => center.norm() + radius,
+        Shape::Cone { .. } => s.rims().iter().map(|p| p.norm()).fold(0.0, f64::max),
     };
     shapes.iter().map(far).fold(0.0, f64::max)
 }

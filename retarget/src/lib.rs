@@ -13,6 +13,7 @@
 //! | [`mod@global_transform`] | where the body goes |
 //! | [`contacts`] | contact phases, contact adjustment |
 //! | [`mod@refine`] | physics and collisions |
+//! | [`mod@guess`] | a first guess for a new key pose |
 //! | [`options`] | what may be told |
 //! | [`result`] | what comes out |
 //! | [`pipeline`] | all stages in order |
@@ -28,6 +29,7 @@ mod error;
 pub mod features;
 pub mod fit;
 pub mod global_transform;
+pub mod guess;
 pub mod key_poses;
 mod limits;
 pub mod options;
@@ -41,6 +43,7 @@ pub use contacts::Phase;
 pub use error::RetargetError;
 pub use features::{Features, RootFrame};
 pub use global_transform::{Scale, global_transform};
+pub use guess::guess;
 pub use key_poses::{KeyPose, KeyPoses};
 pub use options::{
     ContactOptions, GlobalOptions, MappingModel, Options, RefineDofs, RefineOptions, SizeRatio, Stage,

@@ -10,9 +10,11 @@
 //! | [`schema`] | its words |
 //! | [`stage`] | a scene or a clip, ready to be performed |
 //! | [`export`] | a body as MJCF |
+//! | [`footwork`] | planted feet that step, and jumps |
 //! | [`inspect`] | what is in a file |
 //! | [`overrides`] | numbers of the dynamic pass given beside the file |
 //! | [`push`] | the push-recovery map of a standing body |
+//! | [`retargeting`] | human motion put on a character |
 //! | [`report`] | the numbers of a run |
 //! | [`study`] | a trace, clip or scene to be analysed and drawn |
 //! | [`study_report`] | the numbers of an analysis |
@@ -25,10 +27,12 @@ pub mod angle;
 pub mod character_file;
 pub mod error;
 pub mod export;
+pub mod footwork;
 pub mod inspect;
 pub mod overrides;
 pub mod push;
 pub mod report;
+pub mod retargeting;
 pub mod scene;
 pub mod schema;
 pub mod source_map;
@@ -44,6 +48,7 @@ pub use error::{SceneError, Source};
 pub use inspect::character_in;
 pub use overrides::Overrides;
 pub use report::Report;
+pub use retarget;
 pub use scene::Scene;
 pub use sim::Outcome;
 pub use stage::{Stage, StageError, open, open_with};

@@ -18,6 +18,7 @@ use motion::{Curve, Dof, Joint, LimbKind, Value, Vec3};
 use sim::{Ground, Push};
 
 use crate::angle::quat_from_deg;
+use crate::footwork::{Footwork, Jump, Step};
 use crate::overrides::{RATES, SUBSTEPS, TENSIONS};
 use crate::schema::*;
 use crate::{Angle, SceneError, Source, character_file};
@@ -69,12 +70,16 @@ pub struct Scene {
     pub settle_s: f64,
     /// Indices of the limbs whose ends stay planted.
     pub planted: Vec<usize>,
+    /// Steps and jumps of those limbs.
+    pub footwork: Footwork,
     /// Numbers of the dynamic pass.
     pub physics: Physics,
     /// Pushes from outside.
     pub pushes: Vec<Push>,
     /// How film strips are drawn.
     pub strip: StripRon,
+    /// Colour of each link, where the character's file has one.
+    pub colors: Vec<Option<[u8; 3]>>,
 }
 
 /// Reads a scene and its character.
@@ -98,11 +103,13 @@ pub fn parse(source: Source, name: String) -> Result<Scene, SceneError> {
         let message = format!("the character file `{}` does not exist", beside.display());
         return Err(source.error("character", message).with_help("the path is relative to the scene file"));
     }
-    let character = Arc::new(character_file::read(&beside)?);
+    let read = character_file::read_file(&beside)?;
+    let (character, colors) = (Arc::new(read.character), read.colors);
     let check = Check { source: &source, character: &character };
     let physics = check.physics(&ron)?;
     let (script, edits) = (check.script(&ron)?, check.edits(&ron.edits)?);
     let planted = check.planted(ron.planted.as_deref())?;
+    let footwork = check.footwork(&ron.footwork, &planted, &physics)?;
     let pushes = check.pushes(&ron.pushes)?;
     let rate_hz = check.within("rate_hz", ron.rate_hz, 1.0, 1000.0, "Hz")?;
     let settle_s = check.within("settle_s", ron.settle_s, 0.0, 3600.0, "s")?;
@@ -116,9 +123,11 @@ pub fn parse(source: Source, name: String) -> Result<Scene, SceneError> {
         edits,
         settle_s,
         planted,
+        footwork,
         physics,
         pushes,
         strip: ron.strip,
+        colors,
         character,
         source,
     })
@@ -462,6 +471,58 @@ impl Check<'_> {
                 })
             })
             .collect()
+    }
+
+    fn footwork(
+        &self,
+        ron: &[FootworkRon],
+        planted: &[usize],
+        physics: &Physics,
+    ) -> Result<Footwork, SceneError> {
+        let mut work = Footwork { gravity: physics.gravity.norm(), ..Footwork::default() };
+        if !ron.is_empty() && physics.root != RootMode::Pinned {
+            let e = "footwork needs `root: Pinned`: a free or assisted root is balanced over feet that stay";
+            return Err(self.source.error("footwork", e));
+        }
+        let names = || planted.iter().map(|&l| self.character.skeleton.limbs()[l].name.as_str());
+        for (i, r) in ron.iter().enumerate() {
+            let place = |field: &str| format!("footwork[{i}].{field}");
+            let time = |field: &str, t: f64, least: f64| self.within(&place(field), t, least, 86_400.0, "s");
+            match r {
+                FootworkRon::Step { limb, start_s, duration_s, to_m, turn_deg, lift_m } => {
+                    let plant = names().position(|n| n == limb).ok_or_else(|| {
+                        self.source.unknown(&place("limb"), "planted limb", limb, " in a step", names())
+                    })?;
+                    let start_s = time("start_s", *start_s, 0.0)?;
+                    let before = work.steps.iter().rev().find(|s: &&Step| s.plant == plant);
+                    if let Some(s) = before.filter(|s| s.start_s + s.duration_s > start_s + 1e-9) {
+                        let e = format!(
+                            "`{limb}` starts a step at {start_s} s, but its last one ends at {:.3} s; steps of one limb follow one another",
+                            s.start_s + s.duration_s
+                        );
+                        return Err(self.source.error(&place("start_s"), e));
+                    }
+                    work.steps.push(Step {
+                        plant,
+                        start_s,
+                        duration_s: time("duration_s", *duration_s, 0.05)?,
+                        to: [
+                            self.within(&place("to_m[0]"), to_m.0, -1e3, 1e3, "m")?,
+                            self.within(&place("to_m[1]"), to_m.1, -1e3, 1e3, "m")?,
+                        ],
+                        turn: self.within(&place("turn_deg"), *turn_deg, -3600.0, 3600.0, "°")?.to_radians(),
+                        lift: self.within(&place("lift_m"), *lift_m, 0.0, 2.0, "m")?,
+                    });
+                }
+                FootworkRon::Jump { start_s, duration_s, point_deg, tuck_m } => work.jumps.push(Jump {
+                    start_s: time("start_s", *start_s, 0.0)?,
+                    duration_s: self.within(&place("duration_s"), *duration_s, 0.05, 10.0, "s")?,
+                    point: self.within(&place("point_deg"), *point_deg, -90.0, 90.0, "°")?.to_radians(),
+                    tuck: self.within(&place("tuck_m"), *tuck_m, 0.0, 2.0, "m")?,
+                }),
+            }
+        }
+        Ok(work)
     }
 
     fn pushes(&self, ron: &[PushRon]) -> Result<Vec<Push>, SceneError> {

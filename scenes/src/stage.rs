@@ -127,6 +127,8 @@ pub struct Stage {
     pub pushes: Vec<Push>,
     /// How film strips are drawn.
     pub strip: StripRon,
+    /// Colour of each link, where the character's file has one.
+    pub colors: Vec<Option<[u8; 3]>>,
     /// The clip behind it; `None` for a scene.
     pub clip: Option<ClipSource>,
     /// Fraction of the frames that joint limits changed.
@@ -227,6 +229,7 @@ pub fn stage_scene(scene: Scene) -> Result<Stage, SceneError> {
         physics: scene.physics,
         pushes: scene.pushes.clone(),
         strip: scene.strip,
+        colors: scene.colors.clone(),
         clip: None,
         clamped,
         character,
@@ -259,7 +262,12 @@ impl Sampler<'_> {
                 continue;
             }
             if self.scene.physics.root == RootMode::Pinned {
-                plant(skeleton, q, self.plants).map_err(ik)?;
+                let (plants, height) = self.scene.footwork.at(f as f64 / self.scene.rate_hz, self.plants);
+                if height > 0.0 {
+                    let root = skeleton.position(q, 0) + Vec3::y() * height;
+                    skeleton.set_position(q, 0, &root);
+                }
+                plant(skeleton, q, &plants).map_err(ik)?;
             } else {
                 let moved = ground(&(skeleton.position(q, 0) - home));
                 posture::settle(&model, &mut state, q, self.plants, stance + moved).map_err(ik)?;
@@ -279,8 +287,13 @@ fn stage_clip(path: &Path, body: Option<&Path>, import: &ImportOptions) -> Resul
     if clip.frames() < 2 {
         return Err(StageError::Short { path: shown, frames: clip.frames() });
     }
+    let mut colors = Vec::new();
     let (character, guess) = match body {
-        Some(file) => (character_file::read(file)?, None),
+        Some(file) => {
+            let read = character_file::read_file(file)?;
+            colors = read.colors;
+            (read.character, None)
+        }
         None => {
             let guessed = guess_body_of_clip(&clip, &BodyOptions::default());
             let (c, r) = guessed.map_err(|source| StageError::Body { path: shown.clone(), source })?;
@@ -298,32 +311,13 @@ fn stage_clip(path: &Path, body: Option<&Path>, import: &ImportOptions) -> Resul
     }
     let name = path.file_stem().map_or_else(|| "clip".into(), |s| s.to_string_lossy().into_owned());
     let floor = floor(&character, &kinematic);
-    let plants = standing(&character, &kinematic);
-    let rate = clip.rate_hz;
-    Ok(Stage {
-        name,
-        unedited: kinematic.clone(),
-        tracks: None,
-        plain: None,
-        log: EditLog::default(),
-        plants,
-        physics: Physics {
-            // whole control steps per frame, near 240 Hz
-            rate_hz: rate * (240.0 / rate).round().max(1.0),
-            substeps: None,
-            tension: 1.0,
-            blend: controllers::GainBlend::RestAngle,
-            root: RootMode::Pinned,
-            gravity: Vec3::new(0.0, -9.81, 0.0),
-            ground: floor.map(|height_m| Ground { height_m, friction: 0.8 }),
-        },
-        pushes: Vec::new(),
-        strip: StripRon::default(),
-        clamped: clamped as f64 / kinematic.frames() as f64,
-        kinematic,
-        clip: Some(ClipSource { clip, map, import: report, body: guess }),
-        character,
-    })
+    let clamped = clamped as f64 / kinematic.frames() as f64;
+    let mut stage = Stage::of_clip(name, character, kinematic);
+    stage.physics.ground = floor.map(|height_m| Ground { height_m, friction: 0.8 });
+    stage.colors = colors;
+    stage.clamped = clamped;
+    stage.clip = Some(ClipSource { clip, map, import: report, body: guess });
+    Ok(stage)
 }
 
 /// Height below which 2 % of the frames' lowest contact points lie, m; `None` without contact points.
@@ -357,6 +351,36 @@ fn standing(character: &Character, clip: &Clip) -> Vec<Plant> {
 }
 
 impl Stage {
+    /// A stage for a clip of a character, on ground at height 0, with its root pinned.
+    pub fn of_clip(name: String, character: Arc<Character>, kinematic: Clip) -> Self {
+        let (plants, rate) = (standing(&character, &kinematic), kinematic.rate_hz);
+        Self {
+            name,
+            unedited: kinematic.clone(),
+            tracks: None,
+            plain: None,
+            log: EditLog::default(),
+            plants,
+            physics: Physics {
+                // whole control steps per frame, near 240 Hz
+                rate_hz: rate * (240.0 / rate).round().max(1.0),
+                substeps: None,
+                tension: 1.0,
+                blend: controllers::GainBlend::RestAngle,
+                root: RootMode::Pinned,
+                gravity: Vec3::new(0.0, -9.81, 0.0),
+                ground: Some(Ground { height_m: 0.0, friction: 0.8 }),
+            },
+            pushes: Vec::new(),
+            strip: StripRon::default(),
+            colors: Vec::new(),
+            clamped: 0.0,
+            kinematic,
+            clip: None,
+            character,
+        }
+    }
+
     /// The same stage with none of its edits.
     pub fn without_edits(&self) -> Self {
         Self {

@@ -1,0 +1,91 @@
+//! Which figures a motion on a character gets.
+
+use plots::panel::Clock;
+use plots::{Confidence, Figure, StageColumn, confidence_strip, force_match, momentum_match, stage_strip};
+use scenes::retarget::{Options, Retargeted, Stage};
+use scenes::retargeting::{Session, report};
+
+use crate::failure::Failure;
+
+/// Names of all figures a run may get.
+pub const STEMS: &[&str] = &["strip_stages", "confidence", "momentum", "ground_force", "latent"];
+/// Moments in the film strip.
+const MOMENTS: usize = 7;
+/// Dimensions whose latent paths are compared.
+const DIMENSIONS: [usize; 3] = [2, 15, 30];
+
+/// Draws the figures one by one; `save` gets the name, the figure and the fraction done.
+///
+/// # Errors
+/// Those of `save`, and of the mapping with other latent dimensions.
+pub fn draw(
+    session: &Session,
+    options: &Options,
+    done: &Retargeted,
+    save: &mut dyn FnMut(&str, &Figure, f64) -> Result<(), Failure>,
+) -> Result<(), Failure> {
+    let note = format!(
+        "{} on the {}: {}, {} key poses",
+        session.performance.name,
+        session.actor.file.character.name,
+        report::model_name(options.model),
+        session.key_poses.key_poses.pairs.len()
+    );
+    let clock = Clock { rate_hz: done.clip.rate_hz, start_s: 0.0 };
+    save("strip_stages", &strip(session, done, &note), 0.3)?;
+    save("confidence", &confidence(session, done, clock, &note), 0.5)?;
+    if let Some(m) = &done.momentum {
+        let spin = [&m.human_spin[..], &m.character_spin];
+        save("momentum", &momentum_match(clock, [&m.human, &m.character], spin, &note), 0.7)?;
+    }
+    if let Some(r) = &done.refinement {
+        let weight = session.actor.file.character.mass() * 9.81;
+        let before = [&r.required_before[..], &r.contact_before];
+        let after = [&r.required_after[..], &r.contact_after];
+        save("ground_force", &force_match(clock, before, after, weight, &note), 0.9)?;
+    }
+    Ok(())
+}
+
+/// Moments of this motion that have a key pose, s.
+fn keys_at_s(session: &Session) -> Vec<f64> {
+    let own = session.key_poses.moments.iter().filter(|(of, _)| *of == session.performance.name);
+    own.map(|(_, at_s)| *at_s).collect()
+}
+
+fn confidence(session: &Session, done: &Retargeted, clock: Clock, note: &str) -> Figure {
+    let m = &done.mapping;
+    let of = Confidence {
+        confidence: &m.confidence,
+        extrapolates: &m.extrapolates,
+        jumps: &m.jumps,
+        keys_at_s: &keys_at_s(session),
+        suggested_at_s: &session.suggest(done, 5).iter().map(|s| s.at_s).collect::<Vec<_>>(),
+    };
+    confidence_strip(clock, &of, note)
+}
+
+fn strip(session: &Session, done: &Retargeted, note: &str) -> Figure {
+    let puppet = &session.actor.puppet.character;
+    let mut columns = vec![StageColumn {
+        label: "human",
+        clip: &done.human,
+        character: &session.performance.performer.character,
+        colors: &[],
+    }];
+    for (stage, clip) in &done.stages {
+        let label = match stage {
+            Stage::Map => "mapped",
+            Stage::Global => "moved by momentum",
+            Stage::Contact => "on the ground",
+            Stage::Refine => "forces matched",
+        };
+        columns.push(StageColumn { label, clip, character: puppet, colors: &session.actor.file.colors });
+    }
+    let strip = &session.performance.strip;
+    let (from, to) = (strip.from_s, strip.to_s.unwrap_or(done.clip.duration_s()));
+    // inside the motion: its very ends are rest
+    let times: Vec<f64> =
+        (0..MOMENTS).map(|i| from + (to - from) * (i as f64 + 0.6) / (MOMENTS as f64 + 0.2)).collect();
+    stage_strip(&columns, &times, strip.yaw_deg.unwrap_or(25.0), note)
+}
