@@ -15,27 +15,18 @@ fn dump() {
     let spans = phases::spans(&puppet, &found, &moved).unwrap();
     let (held, _) = adjust(&puppet, &moved, &found).unwrap();
     let (a, b) = (point_paths(&puppet, &moved), point_paths(&puppet, &held));
-    let goals = retarget::contacts::paths::held_paths(&puppet, &a, &spans, 30.0);
-    println!("goals {:?}", retarget::contacts::report(&a, &goals, &spans, 30.0));
-    println!("held {:?}", retarget::contacts::report(&a, &b, &spans, 30.0));
-    let j = |p: &[motion::Vec3], i: usize| (p[i + 3] - (p[i + 2] - p[i + 1]) * 3.0 - p[i]).norm() * 27000.0;
-    let frames = human.frames();
-    let root = |c: &motion::Clip| -> Vec<motion::Vec3> {
-        (0..frames).map(|i| c.skeleton.position(c.pose(i), 0)).collect()
-    };
-    let (ra, rb) = (root(&moved), root(&held));
-    for i in 0..frames - 3 {
-        print!("{i:3}");
-        for c in 0..8 {
-            let on = spans[c].iter().any(|s| s.first <= i && i <= s.last);
-            print!(
-                " | {}{:5.0} {:5.0} {:5.0}",
-                if on { '#' } else { ' ' },
-                j(&a[c], i),
-                j(&goals[c], i),
-                j(&b[c], i)
-            );
+    let _ = (a, b, spans);
+    let solids = retarget::refine::solids::Solids::new(&puppet, &[]);
+    let mut deepest = std::collections::BTreeMap::new();
+    for i in 0..held.frames() {
+        let mut out = Vec::new();
+        solids.touches(&motion::Kinematics::new(&held.skeleton, held.pose(i)), &mut out);
+        for t in out {
+            let name = |l: usize| held.skeleton.links()[l].name.clone();
+            let key = (name(t.first.0), t.second.map(|s| name(s.0)));
+            let d: &mut f64 = deepest.entry(key).or_default();
+            *d = d.max(t.depth_m);
         }
-        println!(" root {:.0} {:.0} {:.4}", j(&ra, i), j(&rb, i), (ra[i] - rb[i]).norm());
     }
+    println!("{deepest:#.4?}");
 }
