@@ -45,9 +45,9 @@ const ROOT_WAY: f64 = 10.0;
 /// Steps before the ground is looked at: by then the goals are nearly reached.
 const SETTLE: usize = 2;
 /// How much more a held root weighs.
-const HELD_ROOT: f64 = 100.0;
+const HELD_ROOT: f64 = 10.0;
 /// Most steps.
-const STEPS: usize = 15;
+const STEPS: usize = 30;
 /// A step below this, rad or m, is the last.
 const STILL: f64 = 1e-8;
 
