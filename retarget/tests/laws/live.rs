@@ -45,9 +45,9 @@ fn the_pipeline_runs_to_the_stage_it_is_told() {
 /// Same input, same bytes.
 #[test]
 fn the_pipeline_is_deterministic() {
-    let (performer, human) = mocap("14_37");
+    let (performer, human) = mocap("16_21");
     let puppet = puppet(scaled(&performer.character, 0.5, 1.0));
-    let keys = key_poses(&performer, &human, &puppet, 0.5, 10);
+    let keys = key_poses(&performer, &human, &puppet, 0.5, 5);
     let once = || run(&human, &performer, &puppet, &keys, &options()).unwrap();
     assert_eq!(once(), once());
 }
