@@ -1,7 +1,8 @@
 //! Minimisation with L-BFGS and the Moré–Thuente line search of argmin.
 //!
-//! argmin asks for value and gradient one after the other; both come from one evaluation, kept until the point
-//! changes. Its first step is the bare gradient, however long: the objective is scaled so that it has length one.
+//! argmin asks for value and gradient one after the other; both come from one evaluation, kept until the
+//! point changes. Its first step is the bare gradient, however long: the objective is scaled so that it has
+//! length one.
 
 use std::cell::RefCell;
 
@@ -105,7 +106,14 @@ pub(crate) fn descend<O: Objective>(
     let length = dot(&gradient, &gradient).sqrt();
     if iterations == 0 || length == 0.0 {
         let stopped = if iterations == 0 { "no iterations asked for" } else { "the gradient is zero" }.into();
-        return Ok(Descent { point: start, value: start_value, start_value, iterations: 0, evaluations: 1, stopped });
+        return Ok(Descent {
+            point: start,
+            value: start_value,
+            start_value,
+            iterations: 0,
+            evaluations: 1,
+            stopped,
+        });
     }
     let scale = 1.0 / length;
     let last = Last {

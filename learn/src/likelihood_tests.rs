@@ -74,7 +74,8 @@ fn derivatives_match_differences() {
     let mut work = Work::new(n);
     let mut worst: f64 = 0.0;
     // Not the third: differences of a likelihood of 10⁵ do not show six digits of a slope of one.
-    let kernels = [kernels()[0], kernels()[1], Kernel { theta1: 4.0, theta2: 0.1, theta3: 0.01, beta: 200.0 }];
+    let kernels =
+        [kernels()[0], kernels()[1], Kernel { theta1: 4.0, theta2: 0.1, theta3: 0.01, beta: 200.0 }];
     for kernel in kernels {
         let mut by_r2 = vec![0.0; n * n];
         let (_, by) = view.evaluate(&kernel, &r2, Some(&mut by_r2), &mut work).unwrap();
@@ -102,11 +103,11 @@ fn derivatives_match_differences() {
             worst = worst.max((exact - numeric).abs() / exact.abs().max(1.0));
         }
     }
-    println!("worst {worst:.1e}");
-    assert!(worst < 1e-6, "{worst:.1e}"); // 2e-8 seen
+    assert!(worst < 1e-6, "{worst:.1e}"); // 4e-7 seen: rounding of the differences
 }
 
-/// The cost does not see the number of coordinates, and neither does the value: rotating observations changes nothing.
+/// The cost does not see the number of coordinates, and neither does the value: rotating observations
+/// changes nothing.
 #[test]
 fn likelihood_ignores_a_rotation_of_the_observations() {
     let mut rng = stream(3);

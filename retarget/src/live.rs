@@ -209,8 +209,10 @@ impl<'m> Live<'m> {
         self.place(human);
         self.contacts(human);
         self.goals();
-        let (goals, down) = (&self.goals, &self.down);
-        self.reach.solve(&self.world, &|c| (goals[c], down[c]), &mut self.pose);
+        // a point that is still landing gives way to those of its link that have landed
+        let (goals, down, points) = (&self.goals, &self.down, &self.points);
+        let rests = |c: usize| down[c] && points[c].since_s >= LAND_S;
+        self.reach.solve(&self.world, &|c| (goals[c], rests(c)), &mut self.pose);
         self.frames += 1;
         Ok(LiveFrame { pose: &self.pose, mapped, down: &self.down })
     }
