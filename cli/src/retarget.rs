@@ -39,6 +39,9 @@ pub fn run(args: &RetargetArgs) -> Result<(), Failure> {
     let dir = args.out.clone().unwrap_or_else(|| Path::new("out").join(&name));
     Output::check(&dir)?;
 
+    if args.sheet {
+        return sheet(&session, &dir);
+    }
     progress.part("mapping");
     let options = Options {
         model: args.model.model(),
@@ -88,6 +91,14 @@ fn guess(args: &RetargetArgs) -> Result<(), Failure> {
         text.push('\n');
     }
     output::print(&text)
+}
+
+/// Draws the key poses.
+fn sheet(session: &Session, dir: &Path) -> Result<(), Failure> {
+    let plots = dir.join(output::PLOTS);
+    std::fs::create_dir_all(&plots).map_err(|e| Failure::Run(format!("cannot make {}: {e}", plots.display())))?;
+    let files = figures::key_poses(session).save(&plots, "key_poses").map_err(Failure::run)?;
+    output::print(&files.map(|f| format!("{}\n", f.display())).concat())
 }
 
 /// All faults of a request are of its input: nothing is random, and nothing outside is asked.

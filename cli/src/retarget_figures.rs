@@ -1,7 +1,7 @@
 //! Which figures a motion on a character gets.
 
 use plots::panel::Clock;
-use plots::{Confidence, Figure, StageColumn, confidence_strip, force_match, momentum_match, stage_strip};
+use plots::{Confidence, Figure, PosePair, StageColumn, confidence_strip, force_match, momentum_match, stage_strip};
 use scenes::retarget::{Options, Retargeted, Stage};
 use scenes::retargeting::{Session, report};
 
@@ -45,6 +45,23 @@ pub fn draw(
         save("ground_force", &force_match(clock, before, after, weight, &note), 0.9)?;
     }
     Ok(())
+}
+
+/// All key poses beside the human poses they stand for.
+pub fn key_poses(session: &Session) -> Figure {
+    let pairs = &session.key_poses.key_poses.pairs;
+    let labels: Vec<String> =
+        session.key_poses.moments.iter().map(|(of, at_s)| format!("{of} {at_s:.2} s")).collect();
+    let pairs: Vec<PosePair> = (pairs.iter().zip(&labels))
+        .map(|(p, label)| PosePair {
+            label,
+            human: (&p.performer.character, &p.human),
+            character: &p.character,
+        })
+        .collect();
+    let file = &session.actor.file;
+    let note = format!("{}: {} pairs of {}", file.character.name, pairs.len(), session.key_poses.path.display());
+    plots::pose_sheet(&pairs, &file.character, &file.colors, 30.0, &note)
 }
 
 /// Moments of this motion that have a key pose, s.
