@@ -9,6 +9,7 @@
 //! | [`features`] | feature points and the root's local frame |
 //! | [`key_poses`] | pairs of human and character poses |
 //! | [`mod@prepare`] | the human clip as the stages want it |
+//! | [`mapping`] | a character pose for each human pose |
 //! | [`fit`] | joint angles from feature points |
 //! | [`mod@global_transform`] | where the body goes |
 //! | [`contacts`] | contact phases, contact adjustment |
@@ -32,6 +33,7 @@ pub mod global_transform;
 pub mod guess;
 pub mod key_poses;
 mod limits;
+pub mod mapping;
 pub mod options;
 pub mod pipeline;
 pub mod prepare;
@@ -45,10 +47,11 @@ pub use features::{Features, RootFrame};
 pub use global_transform::{Scale, global_transform};
 pub use guess::guess;
 pub use key_poses::{KeyPose, KeyPoses};
+pub use mapping::Mapping;
 pub use options::{
     ContactOptions, GlobalOptions, MappingModel, Options, RefineDofs, RefineOptions, SizeRatio, Stage,
 };
-pub use pipeline::run;
+pub use pipeline::{run, run_with};
 pub use prepare::prepare;
 pub use result::{ContactReport, MappingReport, MomentumReport, RefinementReport, Retargeted};
 pub use subject::{ContactPoint, Follow, Performer, Puppet};

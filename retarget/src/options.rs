@@ -5,20 +5,7 @@ use motion::{Shape, Smoothing};
 use crate::contacts::Phase;
 
 /// The statistical model of the static mapping.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum MappingModel {
-    /// Shared Gaussian-process latent-variable model.
-    #[default]
-    Gplvm,
-    /// Gaussian-process regression from human to character features.
-    Gp,
-    /// Principal components of both sides and a linear map between them.
-    Pca,
-    /// Mean of the three nearest key poses, weighted by inverse distance.
-    Nn3,
-    /// Mean of the ten nearest key poses.
-    Nn10,
-}
+pub use learn::Method as MappingModel;
 
 /// Where the pipeline ends.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]

@@ -136,6 +136,12 @@ fn balls(shape: &Shape) -> Vec<Ball> {
     match *shape {
         Shape::Sphere { center, radius } => vec![Ball { center, radius }],
         Shape::Capsule { a, b, radius } => line(a, b, radius, radius),
+        // the ends are flat: the outermost balls stay inside
+        Shape::Cone { a, b, radius_a, radius_b } => {
+            let axis = (b - a).normalize();
+            let least = radius_a.min(radius_b).min(0.5 * (b - a).norm());
+            line(a + axis * least, b - axis * least, radius_a, radius_b)
+        }
         Shape::Box { center, half, rotation } => {
             let radius = half.min();
             let steps = |h: f64| (((h - radius) / (0.5 * radius)).ceil() as usize).min(MOST);
@@ -174,6 +180,23 @@ fn distance(solid: &Shape, p: &Vec3) -> (f64, Vec3) {
             let along = b - a;
             let s = (p - a).dot(&along) / along.norm_squared().max(1e-18);
             from(a + along * s.clamp(0.0, 1.0), radius)
+        }
+        Shape::Cone { a, b, radius_a, radius_b } => {
+            let axis = (b - a).normalize();
+            let (along, length) = ((p - a).dot(&axis), (b - a).norm());
+            let s = (along / length).clamp(0.0, 1.0);
+            let side = p - a - axis * along;
+            let out = if side.norm() > 1e-9 { side.normalize() } else { axis };
+            let flank = side.norm() - (radius_a + (radius_b - radius_a) * s);
+            let (lid, cap) = if along < 0.5 * length { (-along, -axis) } else { (along - length, axis) };
+            if flank > 0.0 && lid > 0.0 {
+                let away = out * flank + cap * lid;
+                (away.norm(), away.normalize())
+            } else if flank > lid {
+                (flank, out)
+            } else {
+                (lid, cap)
+            }
         }
         Shape::Box { center, half, rotation } => {
             let local = rotation.inverse() * (p - center);

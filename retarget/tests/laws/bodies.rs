@@ -46,6 +46,7 @@ pub fn scaled(c: &Character, size: f64, legs: f64) -> Character {
             Shape::Box { center: center * size, half: half * size, rotation }
         }
         Shape::Sphere { center, radius } => Shape::Sphere { center: center * size, radius: radius * size },
+        Shape::Cone { .. } => panic!("a human has no cones"),
     };
     let body = |b: &Body| Body {
         mass: b.mass * size.powi(3),
