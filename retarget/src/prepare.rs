@@ -2,14 +2,17 @@
 //!
 //! In: a clip as it was captured. Out: the clip everything else works on. Smoothing comes before resampling, so that
 //! noise does not fold into what is kept. The ground is where the lowest contact points stand: in every
-//! frame the lowest one is taken, and of these heights the lower [`STANDING`] quantile.
+//! frame the lowest one is taken, and of its heights while it is slow the median; where it hardly ever is, the
+//! lower [`STANDING`] quantile of all.
 
-use motion::{Clip, Kinematics, Smoothing, smooth};
+use motion::{Clip, Kinematics, Smoothing, Vec3, smooth};
 
 use crate::{Performer, RetargetError};
 
 /// Share of the frames whose lowest contact point lies below the ground that is found.
 pub const STANDING: f64 = 0.2;
+/// A point slower than this stands, m/s, for a performer of standard size.
+pub const SLOW_M_S: f64 = 0.35;
 /// Fewest frames that can be differentiated twice.
 pub const FEWEST_FRAMES: usize = 5;
 
@@ -56,17 +59,27 @@ pub fn prepare(
 pub fn ground_of(performer: &Performer, human: &Clip) -> f64 {
     let c = &performer.character;
     let mut k = Kinematics::new(&c.skeleton, &c.skeleton.zero_pose());
-    let mut lowest: Vec<f64> = (0..human.frames())
-        .map(|i| {
-            k.update(&c.skeleton, human.pose(i));
-            let height = |&s: &usize| {
-                let site = &c.skeleton.sites()[s];
-                k.point(site.link, &site.at).y
-            };
-            c.contacts.iter().map(height).fold(f64::INFINITY, f64::min)
-        })
-        .collect();
-    lowest.sort_by(f64::total_cmp);
-    let at = ((lowest.len() - 1) as f64 * STANDING).round() as usize;
-    if lowest[at].is_finite() { lowest[at] } else { 0.0 }
+    let place = |k: &Kinematics, site: usize| {
+        let site = &c.skeleton.sites()[site];
+        k.point(site.link, &site.at)
+    };
+    let (mut lowest, mut slow) = (Vec::new(), Vec::new());
+    let mut before: Vec<Vec3> = Vec::new();
+    for i in 0..human.frames() {
+        k.update(&c.skeleton, human.pose(i));
+        let now: Vec<Vec3> = c.contacts.iter().map(|&s| place(&k, s)).collect();
+        let Some(low) = (0..now.len()).min_by(|&a, &b| now[a].y.total_cmp(&now[b].y)) else { return 0.0 };
+        lowest.push(now[low].y);
+        let step = before.get(low).map_or(f64::INFINITY, |p| (now[low] - p).norm());
+        if step * human.rate_hz < SLOW_M_S * performer.features.unit_m {
+            slow.push(now[low].y);
+        }
+        before = now;
+    }
+    let quantile = |heights: &mut Vec<f64>, at: f64| {
+        heights.sort_by(f64::total_cmp);
+        heights[((heights.len() - 1) as f64 * at).round() as usize]
+    };
+    let enough = slow.len() as f64 >= STANDING * lowest.len() as f64;
+    if enough { quantile(&mut slow, 0.5) } else { quantile(&mut lowest, STANDING) }
 }

@@ -42,10 +42,12 @@ const OTHER: f64 = 100.0;
 const ROOT_TURN: f64 = 20.0;
 /// Weight of a leg's length of the root's way.
 const ROOT_WAY: f64 = 10.0;
+/// Steps before the ground is looked at: by then the goals are nearly reached.
+const SETTLE: usize = 2;
 /// Most steps.
-const STEPS: usize = 12;
+const STEPS: usize = 15;
 /// A step below this, rad or m, is the last.
-const STILL: f64 = 1e-9;
+const STILL: f64 = 1e-8;
 
 /// One point to be put somewhere.
 #[derive(Clone, Debug)]
@@ -55,6 +57,8 @@ struct Held {
     at: Vec3,
     /// Whether it has any phase; otherwise only the floor holds it.
     everywhere: bool,
+    /// Whether the ground pushes it.
+    pushed: bool,
 }
 
 /// The solver of one puppet, and its memory. See the module header.
@@ -82,7 +86,13 @@ impl Reach {
             .enumerate()
             .map(|(contact, c)| {
                 let site = &skeleton.sites()[c.site];
-                Held { contact, link: site.link, at: site.at, everywhere: !spans[contact].is_empty() }
+                Held {
+                    contact,
+                    link: site.link,
+                    at: site.at,
+                    everywhere: !spans[contact].is_empty(),
+                    pushed: false,
+                }
             })
             .collect();
         let rest = Kinematics::new(skeleton, &puppet.character.rest);
@@ -118,7 +128,8 @@ impl Reach {
     pub fn solve(&mut self, from: &[f64], goal: &dyn Fn(usize) -> (Vec3, bool), q: &mut [f64]) {
         q.copy_from_slice(from);
         let n = self.weights.len();
-        for _ in 0..STEPS {
+        self.points.iter_mut().for_each(|p| p.pushed = false);
+        for step in 0..STEPS {
             self.k.update(&self.skeleton, q);
             self.axes.update(&self.skeleton, &self.k);
             self.skeleton.difference(from, q, 1.0, &mut self.away);
@@ -134,7 +145,9 @@ impl Reach {
                 if p.everywhere {
                     self.pull(i, &at, &(place - at), if resting { GOAL } else { FLIGHT });
                 }
-                if at.y < -DEPTH_M && !resting {
+                // once pushed, always pushed: let go on the way it would swing between the two
+                self.points[i].pushed |= step >= SETTLE && at.y < -DEPTH_M && !resting;
+                if self.points[i].pushed {
                     self.lift(i, &at, -DEPTH_M - at.y);
                 }
             }
@@ -146,7 +159,7 @@ impl Reach {
             // half a radian at most: farther the linearisation means nothing
             let share = (0.5 / largest.max(1e-12)).min(1.0);
             self.skeleton.integrate(q, &self.step, share);
-            if largest < STILL {
+            if largest < STILL && step > SETTLE {
                 break;
             }
         }

@@ -2,5 +2,7 @@
 
 mod bodies;
 mod contacts;
+mod dump;
 mod fit;
 mod global;
+mod refine;
