@@ -105,7 +105,14 @@ pub(crate) fn descend<O: Objective>(
     let length = dot(&gradient, &gradient).sqrt();
     if iterations == 0 || length == 0.0 {
         let stopped = if iterations == 0 { "no iterations asked for" } else { "the gradient is zero" }.into();
-        return Ok(Descent { point: start, value: start_value, start_value, iterations: 0, evaluations: 1, stopped });
+        return Ok(Descent {
+            point: start,
+            value: start_value,
+            start_value,
+            iterations: 0,
+            evaluations: 1,
+            stopped,
+        });
     }
     let scale = 1.0 / length;
     let last = Last {

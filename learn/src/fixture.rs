@@ -10,5 +10,7 @@ pub fn stream(seed: u64) -> Pcg64 {
 
 /// Sums of four uniforms, variance 1: near enough to normal.
 pub fn matrix(rows: usize, columns: usize, rng: &mut impl Rng) -> DMatrix<f64> {
-    DMatrix::from_fn(rows, columns, |_, _| (0..4).map(|_| rng.random_range(-1.0..1.0)).sum::<f64>() * 0.75_f64.sqrt())
+    DMatrix::from_fn(rows, columns, |_, _| {
+        (0..4).map(|_| rng.random_range(-1.0..1.0)).sum::<f64>() * 0.75_f64.sqrt()
+    })
 }

@@ -48,7 +48,11 @@ impl TryFrom<Stored> for GpRegression {
 
     fn try_from(s: Stored) -> Result<Self, FitError> {
         if !s.kernel.is_sound() {
-            return Err(FitError::Stored { what: "kernel parameters that are not positive", found: 1, expected: 0 });
+            return Err(FitError::Stored {
+                what: "kernel parameters that are not positive",
+                found: 1,
+                expected: 0,
+            });
         }
         GpRegression::with_kernel(&s.pairs, s.kernel, s.learning)
     }

@@ -42,7 +42,8 @@ impl KernelCca {
         let (y, z) = (Filter::of(pairs.inputs(), kappa), Filter::of(pairs.outputs(), kappa));
         let n = pairs.len();
         // R_y R_z in the eigenbases of the two sides.
-        let core = DMatrix::from_diagonal(&y.gain) * y.basis.tr_mul(&z.basis) * DMatrix::from_diagonal(&z.gain);
+        let core =
+            DMatrix::from_diagonal(&y.gain) * y.basis.tr_mul(&z.basis) * DMatrix::from_diagonal(&z.gain);
         let svd = core.svd(true, true);
         let (Some(p), Some(qt)) = (svd.u, svd.v_t) else { unreachable!("both were asked for") };
         let order = falling(svd.singular_values.as_slice());

@@ -69,8 +69,12 @@ impl Kernel {
     /// To the optimiser's numbers.
     pub(crate) fn parameters(&self) -> [f64; PARAMETERS] {
         let above = |v: f64, floor: f64| (v - floor).max(f64::MIN_POSITIVE).ln();
-        let p =
-            [self.theta1.ln(), self.theta2.ln(), above(self.theta3, BIAS_FLOOR), above(self.noise(), NOISE_FLOOR)];
+        let p = [
+            self.theta1.ln(),
+            self.theta2.ln(),
+            above(self.theta3, BIAS_FLOOR),
+            above(self.noise(), NOISE_FLOOR),
+        ];
         std::array::from_fn(|k| p[k].clamp(BOX[k].0, BOX[k].1))
     }
 

@@ -41,9 +41,9 @@
 mod cover;
 mod dense;
 mod descend;
+pub mod error;
 #[cfg(test)]
 mod fixture;
-pub mod error;
 pub mod gp;
 pub mod gplvm;
 pub mod kcca;

@@ -177,7 +177,10 @@ fn derivatives(
 
 /// The error of a kernel matrix that does not factor.
 pub(crate) fn not_definite(kernel: &Kernel) -> FitError {
-    FitError::Optimiser { iterations: 0, reason: format!("kernel matrix is not positive definite at {kernel:?}") }
+    FitError::Optimiser {
+        iterations: 0,
+        reason: format!("kernel matrix is not positive definite at {kernel:?}"),
+    }
 }
 
 /// Squared distances of rows of length `q`, lower triangle of row-major N × N.

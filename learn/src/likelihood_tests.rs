@@ -74,7 +74,8 @@ fn derivatives_match_differences() {
     let mut work = Work::new(n);
     let mut worst: f64 = 0.0;
     // Not the third: differences of a likelihood of 10⁵ do not show six digits of a slope of one.
-    let kernels = [kernels()[0], kernels()[1], Kernel { theta1: 4.0, theta2: 0.1, theta3: 0.01, beta: 200.0 }];
+    let kernels =
+        [kernels()[0], kernels()[1], Kernel { theta1: 4.0, theta2: 0.1, theta3: 0.01, beta: 200.0 }];
     for kernel in kernels {
         let mut by_r2 = vec![0.0; n * n];
         let (_, by) = view.evaluate(&kernel, &r2, Some(&mut by_r2), &mut work).unwrap();

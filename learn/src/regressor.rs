@@ -146,8 +146,7 @@ impl Doubt {
         let (p, q) = (&self.points[row(&self.points, f)], &self.points[row(&self.points, g)]);
         let (a, b) = (&self.known[row(&self.known, f)], &self.known[row(&self.known, g)]);
         let (r, s) = (&self.unseen[row(&self.unseen, f)], &self.unseen[row(&self.unseen, g)]);
-        let k = self.kernel.theta1
-            * (-0.5 * self.kernel.theta2 * crate::dense::distance_squared(p, q)).exp()
+        let k = self.kernel.theta1 * (-0.5 * self.kernel.theta2 * crate::dense::distance_squared(p, q)).exp()
             + self.kernel.theta3;
         k - dot(a, b) + dot(r, s)
     }

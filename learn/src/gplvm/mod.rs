@@ -149,7 +149,11 @@ impl TryFrom<Stored> for SharedGplvm {
         let unsound = s.latents.iter().filter(|v| !v.is_finite()).count()
             + [s.input_kernel, s.output_kernel].iter().filter(|k| !k.is_sound()).count();
         if unsound > 0 {
-            return Err(FitError::Stored { what: "numbers that are not finite or positive", found: unsound, expected: 0 });
+            return Err(FitError::Stored {
+                what: "numbers that are not finite or positive",
+                found: unsound,
+                expected: 0,
+            });
         }
         SharedGplvm::assemble(
             s.pairs,
@@ -272,7 +276,8 @@ impl SharedGplvm {
         let Some(search) = scratch.search.as_deref_mut() else { unreachable!("made above") };
         matvec(&self.basis, &scratch.input, &mut search.pose);
         search.beyond = (dot(&scratch.input, &scratch.input) - dot(&search.pose, &search.pose)).max(0.0);
-        search.reach = std::env::var("REACH").map_or(0.5, |v| v.parse().unwrap()) * (dot(&self.latents, &self.latents) / n as f64).sqrt();
+        search.reach = std::env::var("REACH").map_or(0.5, |v| v.parse().unwrap())
+            * (dot(&self.latents, &self.latents) / n as f64).sqrt();
         let lambda = if self.options.prior_in_mapping { 1.0 } else { 0.0 };
         let leap = search.run(&self.input, &self.latents, nearest, lambda);
         scratch.jump = leap.map(|l| Jump { lengths: l.lengths, gain: l.gain, key: nearest });
@@ -283,7 +288,12 @@ impl SharedGplvm {
     ///
     /// # Errors
     /// `x` is not q finite numbers.
-    pub fn output_at(&self, x: &[f64], scratch: &mut Scratch, out: &mut Prediction) -> Result<(), InputError> {
+    pub fn output_at(
+        &self,
+        x: &[f64],
+        scratch: &mut Scratch,
+        out: &mut Prediction,
+    ) -> Result<(), InputError> {
         if x.len() != self.q {
             return Err(InputError::Dimension { found: x.len(), expected: self.q });
         }
@@ -370,8 +380,8 @@ fn rows(m: &DMatrix<f64>) -> Vec<f64> {
 
 /// Scores on the first `q` principal components of both spaces side by side, the first of unit variance.
 fn principal(y: &Space, z: &Space, q: usize) -> Vec<f64> {
-    let gram = y.points.tr_mul(&y.points) / y.mean.len() as f64
-        + z.points.tr_mul(&z.points) / z.mean.len() as f64;
+    let gram =
+        y.points.tr_mul(&y.points) / y.mean.len() as f64 + z.points.tr_mul(&z.points) / z.mean.len() as f64;
     let (values, basis) = eigen(gram);
     let n = basis.nrows();
     let unit = (n as f64 / values[0]).sqrt();

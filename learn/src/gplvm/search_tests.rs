@@ -93,7 +93,11 @@ fn a_search_ends_in_a_minimum() {
         search.trial.copy_from_slice(&search.answer);
         let value = search.evaluate(&side, &latents, 1.0);
         let end = dot(&search.trial_gradient, &search.trial_gradient).sqrt();
-        assert!(end < 1e-4 * start.max(1.0), "seed {seed}: {start} to {end} in {} steps, {value}", search.steps);
+        assert!(
+            end < 1e-4 * start.max(1.0),
+            "seed {seed}: {start} to {end} in {} steps, {value}",
+            search.steps
+        );
         assert!(search.steps < STEPS, "seed {seed}");
     }
 }

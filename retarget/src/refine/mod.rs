@@ -158,8 +158,7 @@ fn anchors(paths: &[Vec<Vec3>], spans: &[Vec<Span>], frames: usize) -> Vec<Vec<O
 
 /// Points that share the weight: the mean number of those in a phase, where any is.
 fn standing_on(anchors: &[Vec<Option<[f64; 2]>>]) -> usize {
-    let counts: Vec<usize> =
-        anchors.iter().map(|a| a.iter().flatten().count()).filter(|&n| n > 0).collect();
+    let counts: Vec<usize> = anchors.iter().map(|a| a.iter().flatten().count()).filter(|&n| n > 0).collect();
     ((counts.iter().sum::<usize>() as f64 / counts.len().max(1) as f64).round() as usize).max(1)
 }
 

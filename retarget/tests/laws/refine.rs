@@ -13,10 +13,8 @@ fn forces_come_to_match() {
     for (clip, size, legs) in [("16_21", 0.6, 0.8), ("16_21", 1.0, 1.0)] {
         let (performer, human) = mocap(clip);
         let puppet = puppet(scaled(&performer.character, size, legs));
-        let local =
-            in_local_frame(&same_angles(&human, &puppet.character, size), &puppet.features.root);
-        let (moved, _) =
-            global_transform(&performer, &human, &puppet, &local, &GlobalOptions::default());
+        let local = in_local_frame(&same_angles(&human, &puppet.character, size), &puppet.features.root);
+        let (moved, _) = global_transform(&performer, &human, &puppet, &local, &GlobalOptions::default());
         let found = phases::find(&performer, &human, &puppet, &ContactOptions::default()).unwrap();
         let (held, _) = adjust(&puppet, &moved, &found).unwrap();
         let variance = vec![4e-4; human.frames()];
@@ -28,12 +26,19 @@ fn forces_come_to_match() {
             (RefineDofs::RootAndLegs, 0.033, 1e-4, 0.0015),
         ] {
             let all = dofs == RefineDofs::RootAndLegs;
-            let options = RefineOptions { dofs, spacing_s, k1, sink_m, collisions: false, ..RefineOptions::default() };
+            let options =
+                RefineOptions { dofs, spacing_s, k1, sink_m, collisions: false, ..RefineOptions::default() };
             let start = std::time::Instant::now();
             let (_, r) = refine(&puppet, &held, &found, &variance, &options).unwrap();
             if spacing_s == 0.033 && size == 1.0 {
                 for i in 0..human.frames() {
-                    println!("F {i} {:.0} {:.0} -> {:.0} {:.0}", r.required_before[i].y, r.contact_before[i].y, r.required_after[i].y, r.contact_after[i].y);
+                    println!(
+                        "F {i} {:.0} {:.0} -> {:.0} {:.0}",
+                        r.required_before[i].y,
+                        r.contact_before[i].y,
+                        r.required_after[i].y,
+                        r.contact_after[i].y
+                    );
                 }
             }
             let fall = |c: usize| 100.0 * (1.0 - r.after[c] / r.before[c]);
@@ -42,9 +47,15 @@ fn forces_come_to_match() {
                 "{clip} × {size} all {all} h {spacing_s} k1 {k1} sink {sink_m}: falls {:?} all {:.1} %, root {:.1}/{:.1} mm, slip {:.2} mm, cone {} → {}, touch {:.1} → {:.1} mm, {} steps, {:.2} s",
                 (0..6).map(|c| fall(c).round()).collect::<Vec<_>>(),
                 100.0 * (1.0 - sum(&r.after) / sum(&r.before)),
-                1e3 * r.root_median_m, 1e3 * r.root_largest_m, 1e3 * r.slip_m,
-                r.cone_before.len(), r.cone_after.len(),
-                1e3 * r.collision_m[0], 1e3 * r.collision_m[1], r.iterations, start.elapsed().as_secs_f64()
+                1e3 * r.root_median_m,
+                1e3 * r.root_largest_m,
+                1e3 * r.slip_m,
+                r.cone_before.len(),
+                r.cone_after.len(),
+                1e3 * r.collision_m[0],
+                1e3 * r.collision_m[1],
+                r.iterations,
+                start.elapsed().as_secs_f64()
             );
         }
     }
