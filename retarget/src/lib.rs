@@ -16,6 +16,7 @@
 //! | [`contacts`] | contact phases, contact adjustment |
 //! | [`mod@refine`] | physics and collisions |
 //! | [`mod@guess`] | a first guess for a new key pose |
+//! | [`live`] | frame by frame as it happens |
 //! | [`options`] | what may be told |
 //! | [`result`] | what comes out |
 //! | [`pipeline`] | all stages in order |
@@ -34,6 +35,7 @@ pub mod global_transform;
 pub mod guess;
 pub mod key_poses;
 mod limits;
+pub mod live;
 pub mod mapping;
 pub mod options;
 pub mod pipeline;
@@ -49,6 +51,7 @@ pub use features::{Features, RootFrame};
 pub use global_transform::{Scale, global_transform};
 pub use guess::guess;
 pub use key_poses::{KeyPose, KeyPoses};
+pub use live::{Live, LiveFrame};
 pub use mapping::Mapping;
 pub use options::{
     ContactOptions, GlobalOptions, MappingModel, Options, RefineDofs, RefineOptions, SizeRatio, Stage,

@@ -109,7 +109,7 @@ impl Default for RefineOptions {
             dofs: RefineDofs::RootHeight,
             k1: 1e-5,
             k2: 1.0,
-            spacing_s: 0.1,
+            spacing_s: 1.0 / 30.0,
             sink_m: 0.0015,
             friction: dynamics::penalty::FRICTION,
             obstacles: Vec::new(),

@@ -12,7 +12,7 @@ use motion::{Clip, Kinematics, Vec3};
 use super::Phase;
 use super::paths::Span;
 use crate::options::ContactOptions;
-use crate::{Follow, Performer, Puppet, RetargetError};
+use crate::{ContactPoint, Follow, Performer, Puppet, RetargetError};
 
 /// A contact ends above this multiple of the thresholds that began it.
 pub const LEAVE: f64 = 1.3;
@@ -80,6 +80,39 @@ fn counterparts(performer: &Performer, name: &str) -> Vec<usize> {
     (0..c.contacts.len()).filter(|&i| matches(site(i))).collect()
 }
 
+/// For each counterpart of a contact point, the performer's contacts it stands for.
+///
+/// # Errors
+/// A counterpart that the performer does not have.
+pub fn groups(
+    performer: &Performer,
+    puppet: &Puppet,
+    point: &ContactPoint,
+) -> Result<Vec<Vec<usize>>, RetargetError> {
+    let find = |human: &String| {
+        let found = counterparts(performer, human);
+        if !found.is_empty() {
+            return Ok(found);
+        }
+        let c = &performer.character;
+        let known = c.contacts.iter().map(|&s| c.skeleton.sites()[s].name.as_str());
+        let site = puppet.character.skeleton.sites()[point.site].name.clone();
+        Err(RetargetError::Counterpart { site, hint: hint(human, known), human: human.clone() })
+    };
+    point.human.iter().map(find).collect()
+}
+
+/// Whether a point whose counterparts are these is in contact, when the human ones are as `down` says.
+///
+/// A name that stands for several sites is in contact when any of them is.
+pub fn follows(follow: Follow, groups: &[Vec<usize>], down: impl Fn(usize) -> bool) -> bool {
+    let touches = |group: &Vec<usize>| group.iter().any(|&c| down(c));
+    match follow {
+        Follow::Any => groups.iter().any(touches),
+        Follow::All => groups.iter().all(touches),
+    }
+}
+
 /// The character's phases, from the human's contacts.
 ///
 /// # Errors
@@ -98,25 +131,9 @@ pub fn find(
     let mut out = Vec::new();
     for point in &puppet.contacts {
         let name = &puppet.character.skeleton.sites()[point.site].name;
-        let mut groups = Vec::new();
-        for human_name in &point.human {
-            let found = counterparts(performer, human_name);
-            if found.is_empty() {
-                let c = &performer.character;
-                let known = c.contacts.iter().map(|&s| c.skeleton.sites()[s].name.as_str());
-                let (site, human) = (name.clone(), human_name.clone());
-                return Err(RetargetError::Counterpart { site, hint: hint(human_name, known), human });
-            }
-            groups.push(found);
-        }
-        // a name that stands for several sites is in contact when any of them is
-        let touches = |group: &Vec<usize>, i: usize| group.iter().any(|&c| contacts[c][i]);
-        let mut on: Vec<bool> = (0..human.frames())
-            .map(|i| match point.follow {
-                Follow::Any => groups.iter().any(|g| touches(g, i)),
-                Follow::All => groups.iter().all(|g| touches(g, i)),
-            })
-            .collect();
+        let groups = groups(performer, puppet, point)?;
+        let mut on: Vec<bool> =
+            (0..human.frames()).map(|i| follows(point.follow, &groups, |c| contacts[c][i])).collect();
         tidy(&mut on, shortest);
         let mut i = 0;
         while i < on.len() {

@@ -56,6 +56,8 @@ pub const GRAVITY: f64 = 9.81;
 /// Share of the damping of [`Penalty::for_body`] that is kept: nothing is simulated here, and what a heel that is put
 /// down at 0.1 m/s would lose to the damper no body has to give.
 const DAMPING: f64 = 0.1;
+/// Spacing of the basis functions of the pass against collisions, s: an arm goes round a hip, it does not jump.
+const COLLISION_SPACING_S: f64 = 0.15;
 /// Penetrations below this are none, m.
 const TOUCH_M: f64 = 0.001;
 
@@ -97,9 +99,14 @@ pub fn refine(
     if options.collisions && before_m > TOUCH_M {
         let dofs = joints_between(puppet, &links);
         if !dofs.is_empty() {
+            let wide = RefineOptions { spacing_s: COLLISION_SPACING_S, ..options.clone() };
+            let setting = Setting { options: &wide, ..setting };
             iterations += Problem::new(setting, &out, dofs, false).solve(&mut out)?;
         }
     }
+    // the root's height alone can do nothing about a hand in a hip
+    let setting =
+        Setting { solids: setting.solids.filter(|_| options.dofs != RefineDofs::RootHeight), ..setting };
     let dofs = chosen(puppet, &options.dofs)?;
     iterations += Problem::new(setting, &out, dofs, true).solve(&mut out)?;
 
@@ -252,6 +259,11 @@ fn joints_between(puppet: &Puppet, pairs: &[(usize, Option<usize>)]) -> Vec<usiz
     links.retain(|&l| l != 0);
     links.sort_unstable();
     links.dedup();
+    // arms give way to legs that stand
+    let stands = |l: &usize| puppet.contacts.iter().any(|c| chain(s.sites()[c.site].link).contains(l));
+    if links.iter().any(|l| !stands(l)) {
+        links.retain(|l| !stands(l));
+    }
     links.iter().flat_map(|&l| s.v_at(l)..s.v_at(l) + s.links()[l].joint.nv()).collect()
 }
 

@@ -20,8 +20,8 @@ use crate::{Puppet, RetargetError};
 
 /// Cost of a joint's way beyond its limits, 1/rad².
 const LIMIT: f64 = 1e4;
-/// Cost of a penetration, 1/m²: half at 0.3 mm.
-const TOUCH: f64 = 1e7;
+/// Cost of a penetration, 1/m²: half at 1 mm.
+const TOUCH: f64 = 1e6;
 /// A step that lowers the cost by less than this share is the last.
 const ENOUGH: f64 = 1e-3;
 

@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use dynamics::{Body, Character};
 use motion::format::bvh::{self, ImportOptions};
-use motion::{Clip, Limits, Shape, Skeleton, Smoothing, Transform, Vec3};
+use motion::{Clip, Kinematics, Limits, Shape, Skeleton, Smoothing, Transform, Vec3};
 use retarget::{ContactPoint, Follow, Performer, Puppet};
 
 /// A clip of `../shared/mocap`, at 30 Hz, smoothed, on the performer's skeleton with the ground at 0.
@@ -90,13 +90,24 @@ pub fn puppet(c: Character) -> Puppet {
     Puppet::new(c, contacts).unwrap()
 }
 
-/// The joint angles of a clip on a body of the same topology, the root's place times `size`.
+/// The joint angles of a clip on a body of the same topology, the root's place times `size` and as high as feet on the
+/// ground want it.
 pub fn same_angles(clip: &Clip, c: &Character, size: f64) -> Clip {
-    let mut q = clip.data().to_vec();
-    let nq = clip.skeleton.nq();
+    let (mut q, nq) = (clip.data().to_vec(), clip.skeleton.nq());
+    let lowest = |s: &Skeleton, pose: &[f64]| {
+        let k = Kinematics::new(s, pose);
+        let height = |&i: &usize| k.point(s.sites()[i].link, &s.sites()[i].at).y;
+        c.contacts.iter().map(height).fold(f64::INFINITY, f64::min)
+    };
+    let mut off = Vec::new();
     for pose in q.chunks_exact_mut(nq) {
+        let human = lowest(&clip.skeleton, pose);
         let p: Vec3 = clip.skeleton.position(pose, 0) * size;
         clip.skeleton.set_position(pose, 0, &p);
+        off.push(lowest(&c.skeleton, pose) - human * size);
     }
+    off.sort_by(f64::total_cmp);
+    let lower = off[off.len() / 2];
+    q.chunks_exact_mut(nq).for_each(|pose| pose[c.skeleton.q_at(0) + 1] -= lower);
     Clip::new(c.skeleton.clone(), clip.rate_hz, q)
 }

@@ -8,24 +8,34 @@ use crate::bodies::{mocap, puppet, same_angles, scaled};
 #[ignore]
 fn dump() {
     let (performer, human) = mocap("16_21");
-    let puppet = puppet(scaled(&performer.character, 1.0, 1.0));
-    let local = in_local_frame(&same_angles(&human, &puppet.character, 1.0), &puppet.features.root);
+    let puppet = puppet(scaled(&performer.character, 0.5, 0.6));
+    let local = in_local_frame(&same_angles(&human, &puppet.character, 0.5), &puppet.features.root);
     let (moved, _) = global_transform(&performer, &human, &puppet, &local, &GlobalOptions::default());
     let found = phases::find(&performer, &human, &puppet, &ContactOptions::default()).unwrap();
-    for p in &found {
-        println!("{} {:.0} {:.0}", p.point, p.from_s * 30.0, p.to_s * 30.0);
-    }
+    let spans = phases::spans(&puppet, &found, &moved).unwrap();
     let (held, _) = adjust(&puppet, &moved, &found).unwrap();
     let (a, b) = (point_paths(&puppet, &moved), point_paths(&puppet, &held));
-    for c in 0..4 {
-        for i in 0..human.frames() {
-            println!(
-                "{c} {i:3} {:.4} -> {:.4}  dx {:.4} {:.4}",
-                a[c][i].y,
-                b[c][i].y,
-                b[c][i].x - a[c][i].x,
-                b[c][i].z - a[c][i].z
+    let goals = retarget::contacts::paths::held_paths(&puppet, &a, &spans, 30.0);
+    println!("goals {:?}", retarget::contacts::report(&a, &goals, &spans, 30.0));
+    println!("held {:?}", retarget::contacts::report(&a, &b, &spans, 30.0));
+    let j = |p: &[motion::Vec3], i: usize| (p[i + 3] - (p[i + 2] - p[i + 1]) * 3.0 - p[i]).norm() * 27000.0;
+    let frames = human.frames();
+    let root = |c: &motion::Clip| -> Vec<motion::Vec3> {
+        (0..frames).map(|i| c.skeleton.position(c.pose(i), 0)).collect()
+    };
+    let (ra, rb) = (root(&moved), root(&held));
+    for i in 0..frames - 3 {
+        print!("{i:3}");
+        for c in 0..8 {
+            let on = spans[c].iter().any(|s| s.first <= i && i <= s.last);
+            print!(
+                " | {}{:5.0} {:5.0} {:5.0}",
+                if on { '#' } else { ' ' },
+                j(&a[c], i),
+                j(&goals[c], i),
+                j(&b[c], i)
             );
         }
+        println!(" root {:.0} {:.0} {:.4}", j(&ra, i), j(&rb, i), (ra[i] - rb[i]).norm());
     }
 }

@@ -18,19 +18,17 @@ fn forces_come_to_match() {
         let found = phases::find(&performer, &human, &puppet, &ContactOptions::default()).unwrap();
         let (held, _) = adjust(&puppet, &moved, &found).unwrap();
         let variance = vec![4e-4; human.frames()];
-        for (dofs, spacing_s, k1, sink_m) in [
-            (RefineDofs::RootHeight, 0.05, 1e-5, 0.0015),
-            (RefineDofs::RootHeight, 0.033, 1e-5, 0.0015),
-            (RefineDofs::RootAndLegs, 0.05, 1e-4, 0.0015),
-            (RefineDofs::RootAndLegs, 0.033, 1e-5, 0.0015),
-            (RefineDofs::RootAndLegs, 0.033, 1e-4, 0.0015),
+        for (dofs, spacing_s, k1, sink_m, collisions) in [
+            (RefineDofs::RootHeight, 1.0 / 30.0, 1e-5, 0.0015, false),
+            (RefineDofs::RootHeight, 1.0 / 30.0, 1e-5, 0.0015, true),
+            (RefineDofs::RootAndLegs, 1.0 / 30.0, 1e-5, 0.0015, true),
         ] {
             let all = dofs == RefineDofs::RootAndLegs;
             let options =
-                RefineOptions { dofs, spacing_s, k1, sink_m, collisions: false, ..RefineOptions::default() };
+                RefineOptions { dofs, spacing_s, k1, sink_m, collisions, ..RefineOptions::default() };
             let start = std::time::Instant::now();
             let (_, r) = refine(&puppet, &held, &found, &variance, &options).unwrap();
-            if spacing_s == 0.033 && size == 1.0 {
+            if false && size == 1.0 {
                 for i in 0..human.frames() {
                     println!(
                         "F {i} {:.0} {:.0} -> {:.0} {:.0}",
