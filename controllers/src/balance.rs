@@ -24,11 +24,11 @@ use dynamics::{Model, State};
 use motion::Vec3;
 use motion::ik::IkError;
 use motion::plant::{Plant, plant};
-use motion::rotation::log;
 use motion::skeleton::{quat_at, vec_at};
 use motion::support::{Support, Vec2, ground};
 
 use crate::antagonist::SetPoints;
+use crate::reactive::{AHEAD, Moment, Reactive, rate_between};
 use crate::support::{Foot, clamp_inside, polygon, shared_wrenches, shares};
 use crate::{Drive, Rest, rest_of};
 
@@ -52,11 +52,14 @@ pub struct BalanceSettings {
     /// Weight shift between two feet against errors along the line between them. Off, the legs answer them
     /// like any other, and pushes to the side drag the foot that lost its load.
     pub weight_shift: bool,
-    /// Error of the capture point along the line between the feet at which the weight shift begins, m;
-    /// lower reaches into quiet motion.
-    pub weight_from_m: f64,
-    /// Error at which it acts whole, m; nearer to [`Self::weight_from_m`] is more abrupt.
-    pub weight_full_m: f64,
+    /// Speed of the capture point's error along the line between the feet at which the weight shift wakes, m/s;
+    /// lower answers to what the motion itself stirs up (a wild twist: 0.3), higher to hard pushes only.
+    pub weight_from_m_s: f64,
+    /// Speed at which it acts whole, m/s; nearer to [`Self::weight_from_m_s`] is more abrupt.
+    pub weight_full_m_s: f64,
+    /// Awake it stays until the capture point's error along the line is below this, m; higher leaves the rest
+    /// of the way to the springs.
+    pub weight_rest_m: f64,
     /// Centre-of-pressure shift per centre-of-mass error along the line between the feet, m/m, with
     /// [`Self::weight_shift`]; higher returns sooner, too high lifts the foot that is left.
     pub weight: f64,
@@ -81,8 +84,9 @@ impl Default for BalanceSettings {
             pressure_damping: 0.8,
             margin_m: 0.01,
             weight_shift: true,
-            weight_from_m: 0.015,
-            weight_full_m: 0.025,
+            weight_from_m_s: 0.4,
+            weight_full_m_s: 0.5,
+            weight_rest_m: 0.01,
             weight: 1.5,
             weight_damping: 2.5,
             weight_yield: 1.0,
@@ -107,6 +111,7 @@ pub struct Balance {
     feet: Vec<Foot>,
     plants: Vec<Plant>,
     integral: Vec2,
+    wake: Wake,
     state: State,
     tau: Vec<f64>,
     goal: Vec<f64>,
@@ -122,6 +127,7 @@ impl Balance {
             feet,
             plants,
             integral: Vec2::zeros(),
+            wake: Wake::default(),
             state: State::new(model),
             tau: vec![0.0; model.nv()],
             goal: model.skeleton.zero_pose(),
@@ -179,8 +185,8 @@ impl Balance {
         let centers: Vec<Vec3> = self.feet.iter().map(|f| f.center(model, &self.state)).collect();
         let line =
             if s.weight_shift { Line::between(&self.feet, &centers, model, &self.state) } else { None };
-        // quiet standing is left to the springs: it fades in with the capture point's error along the line
-        let fade = line.as_ref().map_or(0.0, |l| s.fade(l.along.dot(&(error + rate))));
+        // what the motion itself stirs up is left to the springs
+        let fade = line.as_ref().map_or(0.0, |l| self.wake.update(&s, l.along.dot(&(error + rate)), dt));
         let line = line.filter(|_| fade > 0.0);
         let along = |x: Vec2| line.as_ref().map_or(Vec2::zeros(), |l| l.part(x)) * fade;
         let root = skeleton.position(goal_q, 0);
@@ -274,15 +280,10 @@ impl Balance {
     }
 }
 
-/// Time by which the pelvis is moved on to find the joint rates of its path, s.
-const AHEAD: f64 = 1e-4;
-
-/// Rate that leads from one rest to another in [`AHEAD`] seconds, zero frame.
-fn rate_between(from: &Rest, to: &Rest) -> Vec3 {
-    match (from, to) {
-        (Rest::Scalar(a), Rest::Scalar(b)) => Vec3::x() * ((b - a) / AHEAD),
-        (Rest::Ball { target: a, .. }, Rest::Ball { target: b, .. }) => log(&(b * a.inverse())) / AHEAD,
-        _ => Vec3::zeros(),
+impl Reactive for Balance {
+    fn react(&mut self, m: &Moment<'_>, drives: &mut [Drive]) -> Result<(), IkError> {
+        let (state, goal) = ((m.q, m.v), (m.goal_q, m.goal_v));
+        self.update(m.model, m.set_points, m.muscles, state, goal, m.lift, m.dt, drives)
     }
 }
 
@@ -324,15 +325,76 @@ impl Line {
     }
 }
 
-impl BalanceSettings {
-    /// How much of the weight shift acts at a capture-point error of `x` metres: 0 to 1, smooth.
-    fn fade(&self, x: f64) -> f64 {
-        let t = ((x.abs() - self.weight_from_m) / (self.weight_full_m - self.weight_from_m)).clamp(0.0, 1.0);
-        t * t * (3.0 - 2.0 * t)
+/// How much of the weight shift acts: a push tells itself from the motion asked for by how fast the capture
+/// point runs off, ξ̇ = F/(m ω₀), long before by how far.
+#[derive(Clone, Copy, Debug, Default)]
+struct Wake {
+    /// Error of the capture point, m, followed with the time constant [`SUDDEN`]; `None` before the first step.
+    followed: Option<f64>,
+    level: f64,
+}
+
+/// Time over which the speed of the capture point is taken, s.
+const SUDDEN: f64 = 0.02;
+/// Time constant with which the weight shift falls asleep, s.
+const CALM: f64 = 0.3;
+
+impl Wake {
+    /// Level in 0 to 1 after a step of `dt` with the error `x`, m.
+    fn update(&mut self, s: &BalanceSettings, x: f64, dt: f64) -> f64 {
+        let followed = self.followed.get_or_insert(x);
+        // in the steady state of a ramp this is its slope, at any step
+        let gain = 1.0 - (-dt / SUDDEN).exp();
+        let speed = (x - *followed) * (gain / dt);
+        *followed += (x - *followed) * gain;
+        let t = ((speed.abs() - s.weight_from_m_s) / (s.weight_full_m_s - s.weight_from_m_s)).clamp(0.0, 1.0);
+        if x.abs() < s.weight_rest_m {
+            self.level *= (-dt / CALM).exp();
+            if self.level < 1e-3 {
+                self.level = 0.0;
+            }
+        }
+        self.level = self.level.max(t * t * (3.0 - 2.0 * t));
+        self.level
     }
 }
 
 fn limit(x: Vec2, length: f64) -> Vec2 {
     let n = x.norm();
     if n > length { x * (length / n) } else { x }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Level after `seconds` of an error that grows by `speed` metres a second.
+    fn after(speed: f64, seconds: f64, rate_hz: f64) -> (Wake, f64) {
+        let mut wake = Wake::default();
+        let mut level = 0.0;
+        for k in 0..(seconds * rate_hz) as usize {
+            level = wake.update(&BalanceSettings::default(), speed * k as f64 / rate_hz, 1.0 / rate_hz);
+        }
+        (wake, level)
+    }
+
+    /// What runs off slowly never wakes it, however far; what runs off fast does within 50 ms, at any rate; and it
+    /// sleeps again once the error is gone.
+    #[test]
+    fn the_weight_shift_wakes_for_what_is_sudden() {
+        let s = BalanceSettings::default();
+        for rate_hz in [120.0, 240.0, 480.0] {
+            assert_eq!(after(0.99 * s.weight_from_m_s, 1.0, rate_hz).1, 0.0);
+            let (mut wake, level) = after(1.2 * s.weight_full_m_s, 0.05, rate_hz);
+            assert_eq!(level, 1.0, "{rate_hz} Hz");
+            for _ in 0..(10.0 * rate_hz) as usize {
+                wake.update(&s, 2.0 * s.weight_rest_m, 1.0 / rate_hz);
+            }
+            assert_eq!(wake.level, 1.0, "awake while there is an error");
+            for _ in 0..(3.0 * rate_hz) as usize {
+                wake.update(&s, 0.0, 1.0 / rate_hz);
+            }
+            assert_eq!(wake.level, 0.0);
+        }
+    }
 }

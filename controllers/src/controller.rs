@@ -20,6 +20,7 @@ use motion::{Dof, Limits, Range, Tracks, Value, Vec3};
 
 use crate::antagonist::SetPoints;
 use crate::balance::{Balance, BalanceSettings, LegMuscle};
+use crate::reactive::{Moment, Reactive};
 use crate::support::{Foot, polygon, wrenches};
 use crate::tension::{Need, StanceLeg, TensionScale, needs};
 use crate::transition::{GainBlend, Transition};
@@ -45,6 +46,8 @@ pub struct Setup {
     pub balance: BalanceSettings,
     /// What transitions interpolate.
     pub blend: GainBlend,
+    /// Reactive properties beside the balance, in the order they act.
+    pub reactive: Vec<Box<dyn Reactive>>,
 }
 
 /// A joint whose muscles are too slack for what they were asked to hold.
@@ -102,6 +105,7 @@ pub struct Controller {
     events: Vec<Event>,
     next_event: usize,
     balance: Option<Balance>,
+    reactive: Vec<Box<dyn Reactive>>,
     feet: Vec<Foot>,
     /// Ground under feet that come and go; `None` where balance or a pin carries the body.
     ground_m: Option<f64>,
@@ -183,6 +187,7 @@ impl Controller {
             next_event: 0,
             ground_m: if balance.is_none() { setup.ground_m } else { None },
             balance,
+            reactive: setup.reactive,
             feet,
             drives: vec![Drive::NONE; model.bodies.len()],
             sagging: Vec::new(),
@@ -263,19 +268,23 @@ impl Controller {
                 Muscle::None | Muscle::Leg => {}
             }
         }
+        let moment = Moment {
+            model: &self.model,
+            set_points: &self.set_points,
+            muscles: &self.legs,
+            q,
+            v,
+            goal_q: self.goal.pose(row),
+            goal_v: self.goal.velocity(row),
+            lift: self.lift[row.min(self.lift.len() - 1)],
+            time_s: t,
+            dt,
+        };
         if let Some(balance) = &mut self.balance {
-            let goal = (self.goal.pose(row), self.goal.velocity(row));
-            let lift = self.lift[row.min(self.lift.len() - 1)];
-            balance.update(
-                &self.model,
-                &self.set_points,
-                &self.legs,
-                (q, v),
-                goal,
-                lift,
-                dt,
-                &mut self.drives,
-            )?;
+            balance.react(&moment, &mut self.drives)?;
+        }
+        for property in &mut self.reactive {
+            property.react(&moment, &mut self.drives)?;
         }
         Ok(&self.drives)
     }

@@ -11,6 +11,8 @@
 //! | [`support`] | feet, and how they share the load |
 //! | [`posture`] | the pelvis shift that keeps a pose over its feet |
 //! | [`balance`] | the reactive property that keeps a body on its feet |
+//! | [`reactive`] | the trait of properties that read the state every step |
+//! | [`gaze`] | one that keeps the eyes on a point |
 //! | [`assist`] | a root wrench with a hard budget |
 //! | [`controller`] | all of them, step by step |
 
@@ -19,8 +21,10 @@ pub mod assist;
 pub mod balance;
 pub mod controller;
 pub mod drive;
+pub mod gaze;
 pub mod goal;
 pub mod posture;
+pub mod reactive;
 pub mod stops;
 pub mod support;
 pub mod tension;
@@ -30,6 +34,8 @@ pub use antagonist::{Antagonist, HoldError, SetPoints};
 pub use balance::{Balance, BalanceSettings};
 pub use controller::{Controller, Sagging, Setup};
 pub use drive::{Drive, Rest, rest_of};
+pub use gaze::{Gaze, GazeError, GazeSettings, Sight};
 pub use goal::Goal;
+pub use reactive::{Moment, Reactive};
 pub use tension::{Need, StanceLeg, TensionScale};
 pub use transition::GainBlend;

@@ -150,6 +150,7 @@ fn drives(
         ground_m: None,
         balance,
         blend: GainBlend::RestAngle,
+        reactive: Vec::new(),
     };
     Controller::new(setup).unwrap().step(1, q, v).unwrap().to_vec()
 }

@@ -262,6 +262,7 @@ pub fn standing_weight(bridge: &Shared, stage: &Stage) -> Result<Check, PassErro
                 ground_m: p.ground.map(|g| g.height_m),
                 balance: BalanceSettings::default(),
                 blend: GainBlend::RestAngle,
+                reactive: Vec::new(),
             },
             substeps: p.substeps,
             root: RootMode::Free,

@@ -1,1 +1,132 @@
-fn main() {}
+//! Learning a shared GPLVM and mapping frames with it: at most 0.1 s for 52 key poses in 30 dimensions and
+//! at least 1,000 frames/s are asked for, and half of GPy's time.
+//!
+//! `cargo bench -p learn --bench gplvm` times with criterion. With a folder, `cargo bench -p learn --bench
+//! gplvm -- DIR`, it writes the data there (`Y.f64`, `Z.f64`: 52 × 120 and 52 × 60, row by row,
+//! little-endian) and prints one JSON line of CPU seconds; `gpy/run.sh` runs that and GPy in turns. Compare
+//! only numbers of one such run.
+
+use std::hint::black_box;
+use std::path::Path;
+
+use criterion::Criterion;
+use learn::{GplvmOptions, Mapper, Method, Model, Pairs, SharedGplvm};
+use nalgebra::DMatrix;
+use rand::{RngExt, SeedableRng};
+use rand_pcg::Pcg64;
+
+/// Frames (rows) of ten quasi-periodic signals mixed into `channels`, with some curvature and noise: the
+/// recipe of the project's peer benchmarks.
+fn motion(frames: usize, channels: usize, seed: u64) -> DMatrix<f64> {
+    let mut rng = Pcg64::seed_from_u64(seed);
+    let mut normal = move || (0..12).map(|_| rng.random_range(-0.5..0.5)).sum::<f64>();
+    let mut signals = DMatrix::zeros(frames, 10);
+    for l in 0..10 {
+        let (f, g) = (1.15 + 0.5 * normal(), 2.5 + 0.8 * normal());
+        let (p, q) = (3.0 * normal(), 3.0 * normal());
+        let mut drift = 0.0;
+        for i in 0..frames {
+            let t = i as f64 / 60.0 * std::f64::consts::TAU;
+            drift += normal();
+            signals[(i, l)] =
+                (f * t + p).sin() + 0.4 * (g * t + q).sin().powi(3) + 0.2 * drift / (frames as f64).sqrt();
+        }
+    }
+    let mix = DMatrix::from_fn(10, channels, |l, _| normal() * 0.8_f64.powi(l as i32));
+    let bend = DMatrix::from_fn(10, channels, |_, _| normal());
+    let noise = DMatrix::from_fn(frames, channels, |_, _| 1e-2 * normal());
+    &signals * mix + (&signals * bend).map(|v| 0.3 * v.tanh()) + noise
+}
+
+struct Data {
+    pairs: Pairs,
+    y: DMatrix<f64>,
+    z: DMatrix<f64>,
+    /// 120 × 300: one frame a column.
+    frames: DMatrix<f64>,
+}
+
+fn data(n: usize, outputs: usize) -> Data {
+    let m = motion(2000, 120 + outputs, 17);
+    let keys: Vec<usize> = (0..n).map(|i| i * 1600 / n + 13 * i % 7).collect();
+    let y = m.columns(0, 120).select_rows(&keys);
+    let z = m.columns(120, outputs).select_rows(&keys);
+    let pairs = Pairs::new(&y, &z).expect("distinct frames");
+    let frames = m.view((1650, 0), (300, 120)).transpose();
+    Data { pairs, y, z, frames }
+}
+
+fn fit(data: &Data) -> SharedGplvm {
+    SharedGplvm::fit(&data.pairs, &GplvmOptions::default()).expect("it fits")
+}
+
+fn criterion_benches(c: &mut Criterion) {
+    for (n, outputs) in [(30, 60), (52, 60), (52, 150), (115, 60)] {
+        let data = data(n, outputs);
+        c.bench_function(&format!("learn, {n} key poses, 120 to {outputs}"), |b| {
+            b.iter(|| fit(black_box(&data)))
+        });
+    }
+    let data = data(52, 60);
+    for method in Method::ALL {
+        let model = Model::fit(method, &data.pairs, &GplvmOptions::default()).expect("it fits");
+        let mut mapper = Mapper::new(&model);
+        let mut next = (0..300).chain((0..299).rev()).cycle();
+        c.bench_function(&format!("map a frame, {method}, 52 key poses"), |b| {
+            b.iter(|| {
+                let frame = next.next().unwrap_or(0);
+                black_box(mapper.map(&data.frames.as_slice()[frame * 120..(frame + 1) * 120]).is_ok())
+            });
+        });
+    }
+}
+
+/// CPU seconds of `work`, the least of `passes`.
+#[cfg(unix)]
+fn least(passes: usize, mut work: impl FnMut()) -> f64 {
+    let now = || {
+        let t = rustix::time::clock_gettime(rustix::time::ClockId::ThreadCPUTime);
+        t.tv_sec as f64 + 1e-9 * t.tv_nsec as f64
+    };
+    (0..passes)
+        .map(|_| {
+            let start = now();
+            work();
+            now() - start
+        })
+        .fold(f64::INFINITY, f64::min)
+}
+
+#[cfg(unix)]
+fn beside_gpy(dir: &Path) {
+    let data = data(52, 60);
+    for (name, m) in [("Y", &data.y), ("Z", &data.z)] {
+        let bytes: Vec<u8> = m.transpose().iter().flat_map(|v| v.to_le_bytes()).collect();
+        std::fs::write(dir.join(format!("{name}.f64")), bytes).expect("the folder can be written");
+    }
+    let model = fit(&data);
+    let learn_s = least(5, || {
+        black_box(fit(&data));
+    });
+    let mut mapper = Mapper::new(&model);
+    let map_s = least(3, || {
+        mapper.forget();
+        for frame in data.frames.as_slice().chunks_exact(120) {
+            mapper.map(frame).expect("it maps");
+        }
+    }) / 300.0;
+    println!(
+        "{{\"engine\":\"contrapposto\",\"learn_s\":{learn_s:.5},\"map_s\":{map_s:.6},\"iterations\":{}}}",
+        model.learning().iterations
+    );
+}
+
+fn main() {
+    #[cfg(unix)]
+    if let Some(dir) = std::env::args().skip(1).find(|a| !a.starts_with('-') && Path::new(a).is_dir()) {
+        return beside_gpy(Path::new(&dir));
+    }
+    let mut c = Criterion::default().configure_from_args().sample_size(20);
+    criterion_benches(&mut c);
+    c.final_summary();
+}

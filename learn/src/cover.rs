@@ -1,7 +1,7 @@
 //! A Gaussian process over the inputs: what the pairs say about a new input before any model is asked.
 //!
-//! Plain GP regression is this with answers. Models without a variance of their own (PCA, nearest neighbours) take
-//! their confidence from it, with a kernel as wide as the median distance of the inputs.
+//! Plain GP regression is this with answers. Models without a variance of their own (PCA, nearest
+//! neighbours) take their confidence from it, with a kernel as wide as the median distance of the inputs.
 
 use nalgebra::DMatrix;
 
@@ -40,8 +40,8 @@ impl Cover {
         Cover::new(inputs, Kernel { theta3: 1e-9, ..Kernel::start(median_squared(&r2, n)) }, &[])
     }
 
-    /// Takes `input` into `scratch` with its squared distances and whitened kernel values; returns the nearest pair, the
-    /// novelty, and the variance that the pairs leave, without noise.
+    /// Takes `input` into `scratch` with its squared distances and whitened kernel values; returns the
+    /// nearest pair, the novelty, and the variance that the pairs leave, without noise.
     pub fn enter(&self, input: &[f64], scratch: &mut Scratch) -> Result<(usize, f64, f64), InputError> {
         scratch.fit(self.space.mean.len(), self.space.points.ncols());
         self.space.enter(input, &mut scratch.input)?;

@@ -1,7 +1,8 @@
 //! Minimisation with L-BFGS and the Moré–Thuente line search of argmin.
 //!
-//! argmin asks for value and gradient one after the other; both come from one evaluation, kept until the point
-//! changes. Its first step is the bare gradient, however long: the objective is scaled so that it has length one.
+//! argmin asks for value and gradient one after the other; both come from one evaluation, kept until the
+//! point changes. Its first step is the bare gradient, however long: the objective is scaled so that it has
+//! length one.
 
 use std::cell::RefCell;
 

@@ -1,7 +1,7 @@
 //! Gaussian process regression from inputs to outputs: one kernel for all output coordinates.
 //!
-//! Kernel (1) over the centred inputs, divided by one number; its four parameters maximise the likelihood of the
-//! outputs. Mean z̄ = μ + Zᵀ K⁻¹ k(y), variance k(y, y) − kᵀ K⁻¹ k, noise included.
+//! Kernel (1) over the centred inputs, divided by one number; its four parameters maximise the likelihood of
+//! the outputs. Mean z̄ = μ + Zᵀ K⁻¹ k(y), variance k(y, y) − kᵀ K⁻¹ k, noise included.
 
 use serde::{Deserialize, Serialize};
 
@@ -19,7 +19,7 @@ use crate::regressor::{Doubt, Prediction, Regressor, Scratch};
 /// L-BFGS iterations, at most.
 const ITERATIONS: usize = 100;
 
-/// GP regression with the kernel of [YAH10] (1).
+/// GP regression with the kernel of YAH10 (1).
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(try_from = "Stored", into = "Stored")]
 pub struct GpRegression {

@@ -1,13 +1,13 @@
-//! The kernel of [YAH10] (1) and the numbers an optimiser turns.
+//! The kernel of YAH10 (1) and the numbers an optimiser turns.
 //!
 //! k(x, x') = θ1 exp(−θ2/2 |x − x'|²) + θ3 + β⁻¹ δ
 //!
-//! θ1, θ3, β⁻¹ are variances in units of the outputs' own mean variance, θ2 an inverse squared length in the space
-//! of x. The optimiser sees p = (ln θ1, ln θ2, ln(θ3 − 10⁻⁹), ln(β⁻¹ − 10⁻⁶)): the prior p(Φ) ∝ Π 1/φ grows
-//! without bound as θ3 → 0, so a floor must be under it; and noise below 10⁻³ of the outputs' standard deviation
-//! cannot be told from rounding once K is factored.
+//! θ1, θ3, β⁻¹ are variances in units of the outputs' own mean variance, θ2 an inverse squared length in the
+//! space of x. The optimiser sees p = (ln θ1, ln θ2, ln(θ3 − 10⁻⁹), ln(β⁻¹ − 10⁻⁶)): the prior p(Φ) ∝ Π 1/φ
+//! grows without bound as θ3 → 0, so a floor must be under it; and noise below 10⁻³ of the outputs' standard
+//! deviation cannot be told from rounding once K is factored.
 //!
-//! [YAH10] Yamane, Ariki, Hodgins. Animating non-humanoid characters with human motion data. SCA 2010.
+//! YAH10: Yamane, Ariki, Hodgins. Animating non-humanoid characters with human motion data. SCA 2010.
 
 use serde::{Deserialize, Serialize};
 
@@ -55,7 +55,8 @@ impl Kernel {
         [self.theta1, self.theta2, self.theta3, self.beta].iter().all(|v| v.is_finite() && *v > 0.0)
     }
 
-    /// Where optimisation starts: outputs of unit variance, a hundredth of it noise, lengths as wide as the data.
+    /// Where optimisation starts: outputs of unit variance, a hundredth of it noise, lengths as wide as the
+    /// data.
     pub(crate) fn start(median_squared_distance: f64) -> Self {
         Kernel { theta1: 1.0, theta2: 1.0 / median_squared_distance, theta3: 1e-2, beta: 1e2 }
     }

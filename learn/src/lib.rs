@@ -1,14 +1,14 @@
 //! Maps learned from pairs of vectors: plain matrices in, plain matrices out. Knows no bodies.
 //!
-//! In: [`Pairs`] of an input and an output vector each (rows of two matrices, any unit). Out: a model that predicts the
-//! output for a new input, with a variance, a confidence, and whether it extrapolates. All models are
-//! [`Regressor`]s and are fixed once fitted; [`Scratch`] is what a prediction writes into.
+//! In: [`Pairs`] of an input and an output vector each (rows of two matrices, any unit). Out: a model that
+//! predicts the output for a new input, with a variance, a confidence, and whether it extrapolates. All
+//! models are [`Regressor`]s and are fixed once fitted; [`Scratch`] is what a prediction writes into.
 //!
 //! | module | holds |
 //! |---|---|
 //! | [`pairs`] | checked pairs |
 //! | [`regressor`] | what every model can do: predict, with variance; the covariance of what it does not know |
-//! | [`gplvm`] | shared Gaussian process latent variable model [YAH10] |
+//! | [`gplvm`] | shared Gaussian process latent variable model of YAH10 |
 //! | [`gp`] | Gaussian process regression |
 //! | [`pca`] | principal components and a linear map |
 //! | [`nearest`] | interpolation of nearest neighbours |
@@ -36,7 +36,7 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!
-//! [YAH10] Yamane, Ariki, Hodgins. Animating non-humanoid characters with human motion data. SCA 2010.
+//! YAH10: Yamane, Ariki, Hodgins. Animating non-humanoid characters with human motion data. SCA 2010.
 
 mod cover;
 mod dense;
@@ -70,5 +70,5 @@ pub use pairs::Pairs;
 pub use pca::PcaLinear;
 pub use regressor::{Doubt, Jump, Prediction, Regressor, Scratch};
 pub use sequence::{Mapped, Mapper, PathShape, map_frames, path_shape};
-pub use suggest::{Criterion, Suggestion, suggest};
+pub use suggest::{Suggestion, suggest};
 pub use validate::{LeftOut, key_pose_error, leave_out, rms_error};

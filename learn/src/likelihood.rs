@@ -4,9 +4,9 @@
 //!
 //! L = ½ tr(K⁻¹ Y Yᵀ) + (D/2) ln|K| + (N D/2) ln 2π,  G = ∂L/∂K = ½ (D K⁻¹ − K⁻¹ Y Yᵀ K⁻¹).
 //!
-//! Y enters only through Y Yᵀ = C Cᵀ with C lower trapezoidal (N × min(N, D)), so an evaluation costs O(N³) whatever D
-//! is. With K = L Lᵀ and W = L⁻¹ C (lower trapezoidal too), tr(K⁻¹ Y Yᵀ) = |W|² and
-//! G = ½ L⁻ᵀ (D I − W Wᵀ) L⁻¹: every factor but the last product is triangular, 4/3 N³ multiplications in all.
+//! Y enters only through Y Yᵀ = C Cᵀ with C lower trapezoidal (N × min(N, D)), so an evaluation costs O(N³)
+//! whatever D is. With K = L Lᵀ and W = L⁻¹ C (lower trapezoidal too), tr(K⁻¹ Y Yᵀ) = |W|² and G = ½ L⁻ᵀ (D
+//! I − W Wᵀ) L⁻¹: every factor but the last product is triangular, 4/3 N³ multiplications in all.
 
 use nalgebra::DMatrix;
 

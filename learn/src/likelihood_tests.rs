@@ -107,7 +107,8 @@ fn derivatives_match_differences() {
     assert!(worst < 1e-6, "{worst:.1e}"); // 2e-8 seen
 }
 
-/// The cost does not see the number of coordinates, and neither does the value: rotating observations changes nothing.
+/// The cost does not see the number of coordinates, and neither does the value: rotating observations
+/// changes nothing.
 #[test]
 fn likelihood_ignores_a_rotation_of_the_observations() {
     let mut rng = stream(3);

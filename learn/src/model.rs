@@ -1,4 +1,7 @@
 //! Any of the five models behind one type: what a command line names and a file stores.
+//!
+//! What is stored is what was learned; everything that follows from it is computed again, the same to the bit. RON
+//! keeps every bit of a number; JSON only with `serde_json`'s `float_roundtrip`.
 
 use std::fmt;
 use std::str::FromStr;
@@ -94,7 +97,8 @@ pub enum Model {
 }
 
 impl Model {
-    /// Fits `method` with its default settings; `gplvm` are those of the shared GPLVM, which the others do not need.
+    /// Fits `method` with its default settings; `gplvm` are those of the shared GPLVM, which the others do
+    /// not need.
     ///
     /// # Errors
     /// Fewer pairs than [`Method::least_pairs`], and what the model itself says.

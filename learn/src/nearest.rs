@@ -1,7 +1,7 @@
-//! Linear interpolation of the nearest key poses: the baseline NN of [YAH10 §6.4].
+//! Linear interpolation of the nearest key poses: the baseline NN of YAH10 §6.4.
 //!
-//! The N pairs whose inputs are nearest, weighted by 1/distance. The variance is that of those outputs about their
-//! weighted mean, which is all that such a model knows.
+//! The N pairs whose inputs are nearest, weighted by 1/distance. The variance is that of those outputs about
+//! their weighted mean, which is all that such a model knows.
 
 use nalgebra::DMatrix;
 use serde::{Deserialize, Serialize};

@@ -46,8 +46,8 @@ impl Pairs {
     /// Checks the rows of `inputs` (N × D_Y) against those of `outputs` (N × D_Z); any units, one unit a side.
     ///
     /// # Errors
-    /// Numbers that do not match, values that are not finite, sides without spread, fewer than two pairs, the same
-    /// pair twice, two answers to one input.
+    /// Numbers that do not match, values that are not finite, sides without spread, fewer than two pairs,
+    /// the same pair twice, two answers to one input.
     pub fn new(inputs: &DMatrix<f64>, outputs: &DMatrix<f64>) -> Result<Self, FitError> {
         Pairs::from_columns(inputs.transpose(), outputs.transpose())
     }
@@ -163,7 +163,8 @@ pub(crate) fn column(m: &DMatrix<f64>, i: usize) -> &[f64] {
     &m.as_slice()[i * d..(i + 1) * d]
 }
 
-/// A side of the pairs, centred and divided by one number: (v − mean)/scale has unit variance, averaged over coordinates.
+/// A side of the pairs, centred and divided by one number: (v − mean)/scale has unit variance, averaged over
+/// coordinates.
 ///
 /// One scale for all coordinates: a marker that hardly moves stays one that hardly moves.
 #[derive(Clone, Debug, PartialEq)]
@@ -237,7 +238,8 @@ impl Coverage {
         Coverage { gap: (0..n).map(nearest).fold(0.0, f64::max).sqrt() }
     }
 
-    /// Writes squared distances from `v` to the columns of `points`; returns the nearest and its distance over the gap.
+    /// Writes squared distances from `v` to the columns of `points`; returns the nearest and its distance
+    /// over the gap.
     pub fn novelty(&self, points: &DMatrix<f64>, v: &[f64], squared: &mut [f64]) -> (usize, f64) {
         let mut best = 0;
         for (i, r) in squared.iter_mut().enumerate() {

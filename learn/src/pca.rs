@@ -1,9 +1,10 @@
-//! Principal components of both spaces and a linear map between them: the linear baseline of [YAH10 §6.4].
+//! Principal components of both spaces and a linear map between them: the linear baseline of YAH10 §6.4.
 //!
-//! Inputs and outputs are projected on their first components (30, at most N − 1), the map between the scores is
-//! least squares. With N − 1 components it passes through every pair; its variance is that of leave-one-out
-//! residuals, which does not call that perfect: for hat matrix H, e_i = (z − Hz)_i/(1 − h_ii), and where the map
-//! interpolates, e_i = (G z)_i/G_ii with G the pseudo-inverse of the centred Gram matrix (Dubrule).
+//! Inputs and outputs are projected on their first components (30, at most N − 1), the map between the
+//! scores is least squares. With N − 1 components it passes through every pair; its variance is that of
+//! leave-one-out residuals, which does not call that perfect: for hat matrix H, e_i = (z − Hz)_i/(1 − h_ii),
+//! and where the map interpolates, e_i = (G z)_i/G_ii with G the pseudo-inverse of the centred Gram matrix
+//! (Dubrule).
 //!
 //! Dubrule. Cross validation of kriging in a unique neighborhood. Math. Geology 1983.
 
@@ -63,8 +64,8 @@ impl TryFrom<Stored> for PcaLinear {
 }
 
 impl PcaLinear {
-    /// Fits with `components` of both spaces, 1 to N − 1; `None`: min(30, N − 1). Directions along which nothing varies
-    /// are left out.
+    /// Fits with `components` of both spaces, 1 to N − 1; `None`: min(30, N − 1). Directions along which
+    /// nothing varies are left out.
     ///
     /// # Errors
     /// A number of components out of range.
@@ -146,10 +147,10 @@ impl Regressor for PcaLinear {
         for (v, m) in out.mean.iter_mut().zip(&self.output.mean) {
             *v = m + self.output.scale * *v;
         }
-        // Leverage: mean of the scores' squares in units of their variances.
-        scores.iter_mut().zip(&self.precision).for_each(|(s, p)| *s *= *s * p);
-        let leverage = scores.iter().sum::<f64>() / self.components as f64;
-        out.variance = self.output.scale.powi(2) * self.residual * (1.0 + leverage / n).max(1.0);
+        // N − 1 components have no residual and no degree of freedom left: leverage is averaged over them.
+        let leverage: f64 = scores.iter().zip(&self.precision).map(|(s, p)| s * s * p).sum();
+        out.variance =
+            self.output.scale.powi(2) * self.residual * (1.0 + leverage / (n * self.components as f64));
         out.confidence = (1.0 - left).clamp(0.0, 1.0);
         out.novelty = novelty;
         Ok(())

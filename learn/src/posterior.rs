@@ -21,8 +21,8 @@ pub(crate) struct Posterior {
 }
 
 impl Posterior {
-    /// Of points with squared distances `r2` (lower triangle of row-major N × N) and observations `y` (N × columns,
-    /// row-major; may have no columns).
+    /// Of points with squared distances `r2` (lower triangle of row-major N × N) and observations `y` (N ×
+    /// columns, row-major; may have no columns).
     pub fn new(kernel: Kernel, r2: &[f64], n: usize, y: &[f64]) -> Result<Self, FitError> {
         let mut l = r2.to_vec();
         for i in 0..n {

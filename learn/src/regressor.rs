@@ -1,8 +1,8 @@
 //! What every model can do, whatever it is: predict, say how sure it is, and say what it does not know.
 //!
-//! A model is fixed once fitted; what a prediction needs to write into is a [`Scratch`], made once, so that a frame
-//! costs no allocation and many threads can share a model. A scratch also remembers the previous frame: models
-//! that search (the shared GPLVM) start from it.
+//! A model is fixed once fitted; what a prediction needs to write into is a [`Scratch`], made once, so that
+//! a frame costs no allocation and many threads can share a model. A scratch also remembers the previous
+//! frame: models that search (the shared GPLVM) start from it.
 
 use nalgebra::DMatrix;
 
@@ -17,9 +17,9 @@ pub trait Regressor: Send + Sync {
     /// The pairs it was fitted to.
     fn pairs(&self) -> &Pairs;
 
-    /// Predicts the output for `input` (D_Y, in the units of the pairs' inputs) into `out`; does not allocate when
-    /// `scratch` and `out` have been used with this model before. A model that searches starts from the previous
-    /// input of `scratch` too: call [`Scratch::forget`] where a sequence ends.
+    /// Predicts the output for `input` (D_Y, in the units of the pairs' inputs) into `out`; does not
+    /// allocate when `scratch` and `out` have been used with this model before. A model that searches starts
+    /// from the previous input of `scratch` too: call [`Scratch::forget`] where a sequence ends.
     ///
     /// # Errors
     /// A wrong number of coordinates, or one that is not finite.
@@ -39,8 +39,8 @@ pub struct Prediction {
     pub mean: Vec<f64>,
     /// Variance of every coordinate of the output about `mean`, squared units: noise and what is not known.
     pub variance: f64,
-    /// 1 − (mean squared error the model expects)/(variance of the key outputs), at least 0: 1 is sure, 0 is no better than
-    /// the mean of all outputs.
+    /// 1 − (mean squared error the model expects)/(variance of the key outputs), at least 0: 1 is sure, 0 is
+    /// no better than the mean of all outputs.
     pub confidence: f64,
     /// Distance of the input from the nearest of the pairs, divided by the widest gap among those: the
     /// largest distance from one of them to its nearest neighbour.
@@ -116,9 +116,9 @@ impl Scratch {
 
 /// Covariance of a model's errors between frames, in units of the variance of the key outputs.
 ///
-/// cov(f, g) = θ1 exp(−θ2/2 |p_f − p_g|²) + θ3 − w_f·w_g + r_f·r_g, with p the frames as the kernel sees them,
-/// w = L⁻¹k(p) what the pairs tell about them, r what the model cannot see of an input at all: the part of it that no
-/// latent point explains.
+/// cov(f, g) = θ1 exp(−θ2/2 |p_f − p_g|²) + θ3 − w_f·w_g + r_f·r_g, with p the frames as the kernel sees
+/// them, w = L⁻¹k(p) what the pairs tell about them, r what the model cannot see of an input at all: the
+/// part of it that no latent point explains.
 #[derive(Clone, Debug)]
 pub struct Doubt {
     pub(crate) kernel: Kernel,

@@ -91,7 +91,7 @@ pub fn map_frames<R: Regressor + ?Sized>(model: &R, frames: &DMatrix<f64>) -> Re
     Ok(Mapped { means, variance, confidence, novelty, latents, jumps })
 }
 
-/// How smooth a path is: the second criterion of [YAH10 §6.2] for the latent dimension.
+/// How smooth a path is: the second criterion of YAH10 §6.2 for the latent dimension.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PathShape {
     /// RMS distance from the mean of the path, in its units.
@@ -104,7 +104,8 @@ pub struct PathShape {
     pub worst_step: f64,
 }
 
-/// Measures the rows of `path` (F × q, at least four) sampled at `rate_hz`. `None` for shorter paths and such that do not move.
+/// Measures the rows of `path` (F × q, at least four) sampled at `rate_hz`. `None` for shorter paths and
+/// such that do not move.
 pub fn path_shape(path: &DMatrix<f64>, rate_hz: f64) -> Option<PathShape> {
     let (f, q) = path.shape();
     if f < 4 || q == 0 {

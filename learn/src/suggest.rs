@@ -1,26 +1,14 @@
-//! Which frames to key next: those the model is least sure of, or those that would teach it the most.
+//! Which frames to key next: those the model is least sure of.
 //!
-//! A model's doubt is a covariance of its errors between frames ([`Doubt`]). Frames are named greedily: each one named is
-//! taken for known (its row of the covariance is conditioned on), so that five names are five poses and not five
-//! neighbours. No output is needed for that: the variance of a Gaussian process does not depend on what it observes.
+//! A model's doubt is a covariance of its errors between frames ([`Doubt`]). Frames are named greedily: each
+//! one named is taken for known (its row of the covariance is conditioned on), so that five names are five
+//! poses and not five neighbours. No output is needed for that: the variance of a Gaussian process does not
+//! depend on what it observes.
 
 use nalgebra::DMatrix;
 
 use crate::error::InputError;
 use crate::regressor::{Doubt, Regressor};
-
-/// Frames, evenly spread, over which usefulness is weighed.
-const WITNESSES: usize = 400;
-
-/// What makes a frame worth keying.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Criterion {
-    /// The model knows least about it.
-    LeastSure,
-    /// Knowing it removes most doubt, summed over all frames.
-    #[default]
-    MostUseful,
-}
 
 /// A frame worth keying.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -34,7 +22,7 @@ pub struct Suggestion {
     pub left: f64,
 }
 
-/// Names up to `count` rows of `frames` (F × D_Y), the most wanted first.
+/// Names up to `count` rows of `frames` (F × D_Y), the least sure first.
 ///
 /// # Errors
 /// A wrong number of coordinates, or one that is not finite.
@@ -42,15 +30,11 @@ pub fn suggest<R: Regressor + ?Sized>(
     model: &R,
     frames: &DMatrix<f64>,
     count: usize,
-    criterion: Criterion,
 ) -> Result<Vec<Suggestion>, InputError> {
     let mut greedy = Greedy::new(model.doubt(frames)?);
     let mut named = Vec::new();
     for _ in 0..count.min(frames.nrows()) {
-        let frame = match criterion {
-            Criterion::LeastSure => greedy.least_sure(),
-            Criterion::MostUseful => greedy.most_useful(),
-        };
+        let frame = greedy.least_sure();
         let doubt = greedy.variance[frame].max(0.0);
         greedy.know(frame);
         let left = greedy.variance.iter().map(|v| v.max(0.0)).sum::<f64>() / greedy.variance.len() as f64;
@@ -78,28 +62,14 @@ impl Greedy {
         self.doubt.covariance(f, g) - self.columns.iter().map(|c| c[f] * c[g]).sum::<f64>()
     }
 
-    fn best(&self, frames: impl Iterator<Item = usize>, score: impl Fn(usize) -> f64) -> usize {
+    fn least_sure(&self) -> usize {
         let mut best = (0, f64::NEG_INFINITY);
-        for f in frames.filter(|f| !self.known.contains(f)) {
-            let s = score(f);
-            if s > best.1 {
-                best = (f, s);
+        for (f, &v) in self.variance.iter().enumerate() {
+            if v > best.1 && !self.known.contains(&f) {
+                best = (f, v);
             }
         }
         best.0
-    }
-
-    fn least_sure(&self) -> usize {
-        self.best(0..self.variance.len(), |f| self.variance[f])
-    }
-
-    fn most_useful(&self) -> usize {
-        let step = self.variance.len().div_ceil(WITNESSES);
-        let witnesses = || (0..self.variance.len()).step_by(step);
-        self.best(witnesses(), |g| {
-            let gain: f64 = witnesses().map(|f| self.covariance(f, g).powi(2)).sum();
-            gain / (self.variance[g] + self.doubt.kernel.noise())
-        })
     }
 
     fn know(&mut self, g: usize) {

@@ -35,8 +35,8 @@ pub enum ValidationError {
     Input(#[from] InputError),
 }
 
-/// Fits `method` without each of `groups` of pairs in turn and predicts the group; one pair a group is leave-one-out, one
-/// performance a group leave-one-performance-out.
+/// Fits `method` without each of `groups` of pairs in turn and predicts the group; one pair a group is
+/// leave-one-out, one performance a group leave-one-performance-out.
 ///
 /// # Errors
 /// A group without which there is too little to learn from, a number beyond the pairs.
@@ -68,7 +68,8 @@ pub fn leave_out(
     Ok(all)
 }
 
-/// RMS error of a model over the coordinates of given pairs (rows: F × D_Y, F × D_Z), each mapped by itself; in the units of the outputs.
+/// RMS error of a model over the coordinates of given pairs (rows: F × D_Y, F × D_Z), each mapped by itself;
+/// in the units of the outputs.
 ///
 /// # Errors
 /// As [`Regressor::predict`].
@@ -89,7 +90,8 @@ pub fn rms_error<R: Regressor + ?Sized>(
     Ok((sum / inputs.nrows() as f64).sqrt())
 }
 
-/// RMS error at the pairs the model was fitted to, in the units of the outputs: the first criterion of [YAH10 §6.2].
+/// RMS error at the pairs the model was fitted to, in the units of the outputs: the first criterion of YAH10
+/// §6.2.
 ///
 /// # Errors
 /// None for a fitted model.

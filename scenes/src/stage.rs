@@ -431,6 +431,7 @@ impl Stage {
                 ground_m: if held { None } else { p.ground.map(|g| g.height_m) },
                 balance: BalanceSettings::default(),
                 blend: p.blend,
+                reactive: Vec::new(),
             },
             substeps: p.substeps,
             root: p.root,

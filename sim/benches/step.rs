@@ -60,6 +60,7 @@ fn whole(c: &Arc<Character>, scripted: bool) -> Run {
         ground_m: None,
         balance: BalanceSettings::default(),
         blend: GainBlend::RestAngle,
+        reactive: Vec::new(),
     };
     let pass =
         Pass { setup, substeps: Some(1), root: RootMode::Free, ground: Some(GROUND), pushes: Vec::new() };

@@ -6,6 +6,7 @@ mod stage;
 mod actuators;
 mod clips;
 mod determinism;
+mod gaze;
 mod momentum;
 mod pushes;
 mod sagging;

@@ -41,6 +41,7 @@ pub fn follow(c: &Arc<Character>, clip: &Clip, gravity: Vec3, tension: f64, rate
         ground_m: None,
         balance: BalanceSettings::default(),
         blend: GainBlend::RestAngle,
+        reactive: Vec::new(),
     };
     Pass { setup, substeps: Some(1), root: RootMode::Free, ground: None, pushes: Vec::new() }
 }
@@ -119,6 +120,7 @@ pub fn perform(c: &Arc<Character>, tracks: &Tracks, root: RootMode, rate_hz: f64
         ground_m: None,
         balance: BalanceSettings::default(),
         blend: GainBlend::RestAngle,
+        reactive: Vec::new(),
     };
     let ground = (!pinned).then_some(Ground { height_m: 0.0, friction: 0.8 });
     Pass { setup, substeps: Some(substeps), root, ground, pushes: Vec::new() }

@@ -1,10 +1,10 @@
-//! The joint likelihood of the shared GPLVM, [YAH10] (2), and its gradient.
+//! The joint likelihood of the shared GPLVM, YAH10 (2), and its gradient.
 //!
 //! F = −ln P(Y|X, Φ_Y) − ln P(Z|X, Φ_Z) + ½ |X|² + (N q/2) ln 2π + Σ ln φ, with X ~ N(0, I) and p(Φ) ∝ Π 1/φ.
 //!
-//! Unknowns: X row by row (N × q), then four numbers per kernel (`kernel`). Both spaces share the distances of X
-//! and one matrix of pair weights ω_ij = ∂F/∂|x_i − x_j|², so the cost is O(N³ + N² q), whatever the dimensions of
-//! Y and Z: ∂F/∂x_i = 2 Σ_j ω_ij (x_i − x_j) + x_i.
+//! Unknowns: X row by row (N × q), then four numbers per kernel (`kernel`). Both spaces share the distances
+//! of X and one matrix of pair weights ω_ij = ∂F/∂|x_i − x_j|², so the cost is O(N³ + N² q), whatever the
+//! dimensions of Y and Z: ∂F/∂x_i = 2 Σ_j ω_ij (x_i − x_j) + x_i.
 
 use crate::dense::{axpy, dot, mirror};
 use crate::descend::Objective;

@@ -1,20 +1,31 @@
-//! Mapping a pose: the latent point that best explains it, [YAH10] (5).
+//! Mapping a pose: the latent point that best explains it, YAH10 (5).
 //!
-//! Minimises F(x) = |y − ȳ(x)|²/(2σ²(x)) + (D/2) ln σ²(x) + (λ/2)|x|² over x, with posterior mean ȳ = Wᵀw and variance
-//! σ² = k(x, x) − |w|² of the input space, w = L⁻¹k(x) (`posterior`); λ is 1 with the prior X ~ N(0, I), 0 without. Poses
-//! are held in the N coordinates of the span of the key poses; what a pose has beyond that span cannot be explained
-//! and is a constant in |y − ȳ|².
+//! Minimises F(x) = |y − ȳ(x)|²/(2σ²(x)) + (D/2) ln σ²(x) + (λ/2)|x|² over x, with posterior mean ȳ = Wᵀw
+//! and variance σ² = k(x, x) − |w|² of the input space, w = L⁻¹k(x) (`posterior`); λ is 1 with the prior X ~
+//! N(0, I), 0 without. Poses are held in the N coordinates of the span of the key poses; what a pose has
+//! beyond that span cannot be explained and is a constant in |y − ȳ|².
 //!
-//! Quasi-Newton steps (BFGS) that start from the Fisher information at the start,
-//! I = JᵀJ/σ² + D/(2σ⁴) ∇σ²∇σ²ᵀ + λI, J = ∂ȳ/∂x: without it 30 latent directions whose curvatures
-//! differ a thousandfold take a hundred steps, with it about ten. No allocation after [`Search::new`].
+//! Quasi-Newton steps (BFGS) that start from the inverse of the exact second derivatives and look at them
+//! again every few steps: the curvatures of 30 latent directions differ a thousandfold and change with σ² on
+//! the way. Two starts: the previous answer, and the latent point of the nearest key pose, whose search ends
+//! early when it comes to where the first one ended. No allocation after [`Search::new`].
 
 use crate::dense::{axpy, cholesky, distance_squared, dot, gram_of_lower, invert_lower, matvec};
 use crate::posterior::Posterior;
 
 /// Steps of one search.
 const STEPS: usize = 100;
-/// Expected gain of a further step, in nats, at which a search ends: a step of 10⁻⁵ posterior standard deviations.
+/// Steps between two looks at the second derivatives.
+const REFRESH: usize = 12;
+/// Longest step, in units of the RMS distance of the key poses from the origin of the latent space. Near a
+/// key pose the variance is a thousandth of what it is where nothing is known; a longer step can end out
+/// there, on a plain where everything is explained by ignorance.
+const REACH: f64 = 0.4;
+/// Answers closer than this, in kernel lengths, are no jump: every key pose makes a dimple of its own in the
+/// variance, some √(noise/θ1) wide, and a path may fall in and out of it without anyone seeing.
+const VISIBLE: f64 = 0.02;
+/// Expected gain of a further step, in nats, at which a search ends: a step of 10⁻⁵ posterior standard
+/// deviations.
 const ENOUGH: f64 = 1e-10;
 
 /// Workspace of the mapping of one pose after another.
@@ -25,7 +36,7 @@ pub(crate) struct Search {
     /// Coordinates of a pose, D.
     dim: f64,
     /// Longest step.
-    pub reach: f64,
+    reach: f64,
     /// Coordinates of the pose in the span of the key poses.
     pub pose: Vec<f64>,
     /// Squared distance of the pose from that span.
@@ -37,7 +48,6 @@ pub(crate) struct Search {
     /// What the last pose took: BFGS steps over both starts.
     pub steps: usize,
     pub point: Vec<f64>,
-    other: Vec<f64>,
     trial: Vec<f64>,
     gradient: Vec<f64>,
     trial_gradient: Vec<f64>,
@@ -45,7 +55,10 @@ pub(crate) struct Search {
     turned: Vec<f64>,
     h: Vec<f64>,
     fisher: Vec<f64>,
-    k_slopes: Vec<f64>,
+    hessian: Vec<f64>,
+    /// Factor of ∂²F/∂x² about `answer`.
+    metric: Vec<f64>,
+    slopes: Vec<f64>,
     jacobian: Vec<f64>,
     phi: Vec<f64>,
     k: Vec<f64>,
@@ -54,13 +67,6 @@ pub(crate) struct Search {
     by_k: Vec<f64>,
     /// y − ȳ(x) in the span of the key poses.
     pub residual: Vec<f64>,
-}
-
-/// Value at the best point found from a start.
-#[derive(Clone, Copy, Debug)]
-struct Found {
-    value: f64,
-    steps: usize,
 }
 
 /// The mapping left the basin it was in.
@@ -86,7 +92,6 @@ impl Search {
             warm: false,
             steps: 0,
             point: v(q),
-            other: v(q),
             trial: v(q),
             gradient: v(q),
             trial_gradient: v(q),
@@ -94,7 +99,9 @@ impl Search {
             turned: v(q),
             h: v(q * q),
             fisher: v(q * q),
-            k_slopes: v(n * q),
+            hessian: v(q * q),
+            metric: v(q * q),
+            slopes: v(n * q),
             jacobian: v(q * rank),
             phi: v(n),
             k: v(n),
@@ -110,28 +117,36 @@ impl Search {
         (self.n, self.q, self.pose.len()) == (n, q, rank)
     }
 
-    /// Starts at key pose `nearest` and at the previous answer; keeps the likelier in `answer`. Says if that left
-    /// the previous answer's basin.
+    /// Starts at the previous answer and at key pose `nearest`; keeps the likelier in `answer`. Says if that
+    /// left the previous answer's basin.
     pub fn run(&mut self, side: &Posterior, latents: &[f64], nearest: usize, lambda: f64) -> Option<Leap> {
         let q = self.q;
-        self.point.copy_from_slice(&latents[nearest * q..(nearest + 1) * q]);
-        let fresh = self.descend(side, latents, lambda);
-        self.steps = fresh.steps;
-        let mut leap = None;
+        self.steps = 0;
+        self.reach = REACH * (dot(latents, latents) / self.n as f64).sqrt();
+        let mut kept = None;
         if self.warm {
-            self.other.copy_from_slice(&self.point);
             self.point.copy_from_slice(&self.answer);
-            let kept = self.descend(side, latents, lambda);
-            self.steps += kept.steps;
-            let gain = kept.value - fresh.value;
-            let lengths = distance_squared(&self.point, &self.other).sqrt() * side.kernel.theta2.sqrt();
-            // Two starts of one basin end at one point but for the last digits; the previous answer stays then.
-            if gain > 1e-6 && lengths > 1e-3 {
-                leap = Some(Leap { lengths, gain });
-                self.point.copy_from_slice(&self.other);
-            }
+            kept = self.descend(side, latents, lambda, false);
+            self.answer.copy_from_slice(&self.point);
+            std::mem::swap(&mut self.metric, &mut self.hessian);
         }
-        self.answer.copy_from_slice(&self.point);
+        self.point.copy_from_slice(&latents[nearest * q..(nearest + 1) * q]);
+        let fresh = self.descend(side, latents, lambda, kept.is_some());
+        let mut leap = None;
+        match (kept, fresh) {
+            (Some(kept), Some(fresh)) => {
+                let gain = kept - fresh;
+                let lengths = distance_squared(&self.point, &self.answer).sqrt() * side.kernel.theta2.sqrt();
+                // Less is rounding: two ends of one basin.
+                if gain > 1e-6 {
+                    self.answer.copy_from_slice(&self.point);
+                    leap = (lengths > VISIBLE).then_some(Leap { lengths, gain });
+                }
+            }
+            (None, Some(_)) => self.answer.copy_from_slice(&self.point),
+            // The search from the key pose came into the basin of the previous answer.
+            (_, None) => {}
+        }
         self.warm = true;
         // `residual` is that of the last trial so far.
         self.trial.copy_from_slice(&self.answer);
@@ -139,23 +154,51 @@ impl Search {
         leap
     }
 
-    /// Minimises from `point`, ends there.
-    fn descend(&mut self, side: &Posterior, latents: &[f64], lambda: f64) -> Found {
+    /// Whether `point` is within a tenth of a standard deviation of `answer`, by the curvature there.
+    fn arrived(&self) -> bool {
+        let q = self.q;
+        // |Lᵀ(x − x̂)|² with L Lᵀ = ∂²F/∂x².
+        let mut sum = 0.0;
+        for a in 0..q {
+            let mut s = 0.0;
+            for b in a..q {
+                s += self.metric[b * q + a] * (self.point[b] - self.answer[b]);
+            }
+            sum += s * s;
+            if sum > 1e-2 {
+                return false;
+            }
+        }
+        true
+    }
+
+    /// Minimises from `point`, ends there; returns F. With `beside` it stops when it comes to `answer`: `None`.
+    fn descend(&mut self, side: &Posterior, latents: &[f64], lambda: f64, beside: bool) -> Option<f64> {
         let q = self.q;
         self.trial.copy_from_slice(&self.point);
         let mut value = self.evaluate(side, latents, lambda);
         self.gradient.copy_from_slice(&self.trial_gradient);
-        self.start_curvature(side, latents, lambda);
+        self.curvature(side, latents, lambda);
+        // Steps since the second derivatives were looked at.
+        let mut age = 0;
         let mut steps = 0;
         while steps < STEPS {
             matvec(&self.h, &self.gradient, &mut self.direction);
             let slope = -dot(&self.gradient, &self.direction);
-            // Also ends when the curvature has lost its sign to rounding, or at NaN.
-            if !(-slope > 2.0 * ENOUGH) {
-                break;
+            // Also when the curvature has lost its sign to rounding.
+            let done = -slope <= 2.0 * ENOUGH;
+            let old = age == REFRESH;
+            let moved = if done || old { None } else { self.line(side, latents, lambda, value, slope) };
+            if age > 0 && moved.is_none() {
+                // What looks like the end by an old curvature need not be one.
+                age = 0;
+                self.curvature(side, latents, lambda);
+                continue;
             }
+            let Some((next, step)) = moved else { break };
+            age += 1;
             steps += 1;
-            let Some((next, step)) = self.line(side, latents, lambda, value, slope) else { break };
+            self.steps += 1;
             value = next;
             // s = −step·H g, y = g' − g; H ← H + (1 + yᵀHy/sᵀy) s sᵀ/sᵀy − (H y sᵀ + s yᵀH)/sᵀy.
             for i in 0..q {
@@ -176,8 +219,11 @@ impl Search {
                     axpy(-s[i] / sy, &self.turned, row);
                 }
             }
+            if beside && self.arrived() {
+                return None;
+            }
         }
-        Found { value, steps }
+        Some(value)
     }
 
     /// A step along −H g that keeps a part of the promised decrease; leaves point and gradient in `trial`.
@@ -243,37 +289,51 @@ impl Search {
         side.left(&self.w) + kernel.noise()
     }
 
-    /// H = (Fisher information at `point`)⁻¹.
-    fn start_curvature(&mut self, side: &Posterior, latents: &[f64], lambda: f64) {
+    /// H = (∂²F/∂x²)⁻¹ at `point`; where that is not positive definite, the inverse of the Fisher information.
+    fn curvature(&mut self, side: &Posterior, latents: &[f64], lambda: f64) {
         let (n, q, rank) = (self.n, self.q, self.pose.len());
         self.trial.copy_from_slice(&self.point);
-        let v = self.moments(side, latents);
-        // ∂w/∂x = L⁻¹ ∂k/∂x, N × q, then J = Wᵀ ∂w/∂x as rows of `jacobian` (q × rank); `turned`: ∇σ² = −2 wᵀ∂w/∂x.
+        self.evaluate(side, latents, lambda);
+        let v = side.left(&self.w) + side.kernel.noise();
+        let misfit = dot(&self.residual, &self.residual) + self.beyond;
+        let shrink = misfit / (v * v) - self.dim / v;
+        self.hessian.fill(0.0);
+        // Σ_i ∂F/∂k_i ∂²k_i/∂x², ∂²k_i/∂x² = θ2 φ_i (θ2 δδᵀ − I), δ = x − x_i; and ∂k/∂x (N × q).
+        let mut bend = 0.0;
         for (i, x) in latents.chunks_exact(q).enumerate() {
-            let slope = -side.kernel.theta2 * self.phi[i];
-            for a in 0..q {
-                self.k_slopes[i * q + a] = slope * (self.trial[a] - x[a]);
-            }
+            let slope = side.kernel.theta2 * self.phi[i];
+            let delta = &mut self.slopes[i * q..(i + 1) * q];
+            delta.iter_mut().zip(self.trial.iter().zip(x)).for_each(|(d, (t, x))| *d = t - x);
+            let pull = slope * self.by_k[i];
+            bend += pull;
+            add_square(pull * side.kernel.theta2, delta, &mut self.hessian);
+            delta.iter_mut().for_each(|d| *d *= -slope);
         }
+        // ∂w/∂x = L⁻¹ ∂k/∂x in place from the last row up; J = Wᵀ ∂w/∂x as rows of `jacobian` (q × rank);
+        // `turned`: −½ ∇σ² = (∂w/∂x)ᵀ w.
         self.jacobian.fill(0.0);
         self.turned.fill(0.0);
         for i in (0..n).rev() {
-            // In place from the last row up: row i needs only rows above it.
-            side.whiten_row(i, &mut self.k_slopes, q);
-            let slopes = &self.k_slopes[i * q..(i + 1) * q];
-            axpy(-2.0 * self.w[i], slopes, &mut self.turned);
+            side.whiten_row(i, &mut self.slopes, q);
+            let slopes = &self.slopes[i * q..(i + 1) * q];
+            axpy(self.w[i], slopes, &mut self.turned);
+            add_square(shrink, slopes, &mut self.hessian);
             let answer = &side.whitened[i * rank..(i + 1) * rank];
             for (s, row) in slopes.iter().zip(self.jacobian.chunks_exact_mut(rank)) {
                 axpy(*s, answer, row);
             }
         }
+        matvec(&self.jacobian, &self.residual, &mut self.direction);
+        let (fit, volume) = (&self.direction, &self.turned);
+        let along = 4.0 * misfit / (v * v * v) - 2.0 * self.dim / (v * v);
         let mut trace = 0.0;
         for a in 0..q {
+            let row = &self.jacobian[a * rank..(a + 1) * rank];
             for b in 0..=a {
-                let (ja, jb) =
-                    (&self.jacobian[a * rank..(a + 1) * rank], &self.jacobian[b * rank..(b + 1) * rank]);
-                self.fisher[a * q + b] =
-                    dot(ja, jb) / v + 0.5 * self.dim / (v * v) * self.turned[a] * self.turned[b];
+                let mean = dot(row, &self.jacobian[b * rank..(b + 1) * rank]) / v;
+                self.fisher[a * q + b] = mean + 2.0 * self.dim / (v * v) * volume[a] * volume[b];
+                self.hessian[a * q + b] += mean - 2.0 / (v * v) * (fit[a] * volume[b] + volume[a] * fit[b])
+                    + along * volume[a] * volume[b];
             }
             trace += self.fisher[a * q + a];
         }
@@ -281,17 +341,21 @@ impl Search {
         let ridge = lambda.max(1e-6 * (1.0 + trace / q as f64));
         for a in 0..q {
             self.fisher[a * q + a] += ridge;
+            self.hessian[a * q + a] += ridge - bend;
         }
-        if cholesky(&mut self.fisher, q) {
-            invert_lower(&self.fisher, q, &mut self.h);
-            self.fisher.copy_from_slice(&self.h);
-            gram_of_lower(&self.fisher, q, &mut self.h);
-        } else {
-            self.h.fill(0.0);
-            for a in 0..q {
-                self.h[a * q + a] = 1.0 / ridge;
-            }
+        if !cholesky(&mut self.hessian, q) {
+            cholesky(&mut self.fisher, q);
+            self.hessian.copy_from_slice(&self.fisher);
         }
+        invert_lower(&self.hessian, q, &mut self.fisher);
+        gram_of_lower(&self.fisher, q, &mut self.h);
+    }
+}
+
+/// Adds c a aᵀ to the lower triangle of `m`.
+fn add_square(c: f64, a: &[f64], m: &mut [f64]) {
+    for (i, row) in m.chunks_exact_mut(a.len()).enumerate() {
+        axpy(c * a[i], &a[..=i], &mut row[..=i]);
     }
 }
 

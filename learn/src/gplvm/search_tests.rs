@@ -49,36 +49,37 @@ fn gradient_matches_differences() {
     assert!(worst < 1e-6, "{worst:.1e}"); // 2e-9 seen
 }
 
-/// The first curvature is the inverse of the Fisher information: JᵀJ/σ² + D/(2σ⁴)∇σ²∇σ²ᵀ + λI by differences.
+/// The curvature is the inverse of the second derivatives, against differences of the gradient.
 #[test]
-fn curvature_is_fisher_information() {
-    let Case { side, latents, mut search } = case(3, 50.0);
-    let (q, rank) = (search.q, search.pose.len());
-    search.point.copy_from_slice(&search.trial.clone());
-    search.start_curvature(&side, &latents, 1.0);
-    let h = search.h.clone();
-    let x = search.point.clone();
-    let v = search.moments(&side, &latents);
-    let step = 1e-5;
-    let mut slopes = Vec::new();
-    for a in 0..q {
-        let mut at = |sign: f64| {
-            search.trial.copy_from_slice(&x);
-            search.trial[a] += sign * step;
-            let v = search.moments(&side, &latents);
-            (v, search.residual.clone())
-        };
-        let (up, down) = (at(1.0), at(-1.0));
-        let mean: Vec<f64> = (0..rank).map(|k| (down.1[k] - up.1[k]) / (2.0 * step)).collect();
-        slopes.push(((up.0 - down.0) / (2.0 * step), mean));
+fn curvature_matches_differences_of_the_gradient() {
+    let mut definite = 0;
+    for seed in 0..10 {
+        let Case { side, latents, mut search } = case(seed, 50.0);
+        let q = search.q;
+        search.run(&side, &latents, 0, 1.0);
+        let x = search.answer.clone();
+        search.point.copy_from_slice(&x);
+        search.curvature(&side, &latents, 1.0);
+        let h = nalgebra::DMatrix::from_row_slice(q, q, &search.h);
+        let mut second = nalgebra::DMatrix::zeros(q, q);
+        for a in 0..q {
+            let step = 1e-5;
+            let mut at = |sign: f64| {
+                search.trial.copy_from_slice(&x);
+                search.trial[a] += sign * step;
+                search.evaluate(&side, &latents, 1.0);
+                nalgebra::DVector::from_column_slice(&search.trial_gradient)
+            };
+            let up = at(1.0);
+            second.set_column(a, &((up - at(-1.0)) / (2.0 * step)));
+        }
+        if second.symmetric_eigenvalues().min() > 0.0 {
+            definite += 1;
+            let error = (second * h - nalgebra::DMatrix::identity(q, q)).amax();
+            assert!(error < 1e-6, "seed {seed}: {error:.1e}"); // 2e-9 seen
+        }
     }
-    let fisher = nalgebra::DMatrix::from_fn(q, q, |a, b| {
-        let (a, b, same) = (&slopes[a], &slopes[b], if a == b { 1.0 } else { 0.0 });
-        dot(&a.1, &b.1) / v + 0.5 * 20.0 / (v * v) * a.0 * b.0 + same
-    });
-    let product = fisher * nalgebra::DMatrix::from_row_slice(q, q, &h);
-    let error = (product - nalgebra::DMatrix::identity(q, q)).amax();
-    assert!(error < 1e-6, "{error:.1e}"); // 3e-10 seen
+    assert!(definite >= 5, "{definite}");
 }
 
 /// A search ends where no direction helps: the gradient there vanishes on the scale of the start's.

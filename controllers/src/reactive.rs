@@ -1,0 +1,105 @@
+//! Reactive movement properties: what reads the simulated state every step and adjusts drives \[NF03 §4.2\].
+//!
+//! A property sees a [`Moment`]: the state, the motion asked for, the muscles at hand. It writes the drives of the
+//! joints it cares for, on top of what the motion asked and earlier properties wrote; later ones have the last word.
+//! [`crate::Balance`] is one, [`crate::Gaze`] a small second. Another is a type with [`Reactive`], handed to
+//! [`crate::Setup::reactive`].
+//!
+//! In: the trait. Out: drives. No engine and no clock: time is in the moment, memory in the property.
+
+use dynamics::{Model, State};
+use motion::ik::IkError;
+use motion::{Joint, Vec3};
+
+use crate::antagonist::SetPoints;
+use crate::balance::LegMuscle;
+use crate::{Drive, Rest};
+
+/// One control step as a reactive property sees it.
+#[derive(Clone, Copy)]
+pub struct Moment<'a> {
+    /// The body.
+    pub model: &'a Model,
+    /// Set points, per body.
+    pub set_points: &'a [SetPoints],
+    /// Stiffness and damping of every body's joint at the tension asked for.
+    pub muscles: &'a [LegMuscle],
+    /// Simulated pose (`nq`) at the start of the step.
+    pub q: &'a [f64],
+    /// Simulated velocity (`nv`) at the start of the step.
+    pub v: &'a [f64],
+    /// Pose asked for (`nq`) at the end of the step.
+    pub goal_q: &'a [f64],
+    /// Velocity asked for (`nv`) at the end of the step.
+    pub goal_v: &'a [f64],
+    /// Vertical acceleration of the goal's centre of mass, m/s².
+    pub lift: f64,
+    /// Time at the end of the step, s.
+    pub time_s: f64,
+    /// Length of the step, s.
+    pub dt: f64,
+}
+
+/// A reactive movement property. See the module header.
+pub trait Reactive: Send {
+    /// Adjusts `drives` (per body) for the next step.
+    ///
+    /// # Errors
+    /// Limbs that two-bone IK cannot solve.
+    fn react(&mut self, moment: &Moment<'_>, drives: &mut [Drive]) -> Result<(), IkError>;
+}
+
+/// Time by which a goal is moved on to find the joint rates of its path, s.
+pub(crate) const AHEAD: f64 = 1e-4;
+
+/// Rate that leads from one rest to another in [`AHEAD`] seconds, zero frame (in `.x` for hinges and slides).
+pub(crate) fn rate_between(from: &Rest, to: &Rest) -> Vec3 {
+    match (from, to) {
+        (Rest::Scalar(a), Rest::Scalar(b)) => Vec3::x() * ((b - a) / AHEAD),
+        (Rest::Ball { target: a, .. }, Rest::Ball { target: b, .. }) => {
+            motion::rotation::log(&(b * a.inverse())) / AHEAD
+        }
+        _ => Vec3::zeros(),
+    }
+}
+
+/// Acceleration of the body as it is felt: differences of velocities, followed with the time constant of
+/// [`Felt::update`].
+///
+/// Properties that carry something along feel how their base accelerates. Unfiltered, a drive that answers the
+/// acceleration of the last step rings at the control rate; the first step knows of none.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Felt {
+    before: Vec<f64>,
+    /// Rate of `v` (`nv`).
+    pub(crate) vd: Vec<f64>,
+}
+
+impl Felt {
+    /// Takes in the velocity `v` (`nv`) after a step of `dt`; `within` is the time constant, s.
+    pub(crate) fn update(&mut self, v: &[f64], dt: f64, within: f64) {
+        if self.before.is_empty() {
+            self.vd.resize(v.len(), 0.0);
+            self.before.extend_from_slice(v);
+        }
+        let gain = 1.0 - (-dt / within).exp();
+        for ((vd, now), then) in self.vd.iter_mut().zip(v).zip(&mut self.before) {
+            *vd += ((now - *then) / dt - *vd) * gain;
+            *then = *now;
+        }
+    }
+}
+
+/// Writes `x` as the velocity or acceleration of a hinge, slide or ball into `out` (`nv`).
+pub(crate) fn set_rate(joint: &Joint, v_at: usize, x: &Vec3, out: &mut [f64]) {
+    match joint {
+        Joint::Revolute(_) | Joint::Prismatic(_) => out[v_at] = x.x,
+        Joint::Spherical => out[v_at..v_at + 3].copy_from_slice(x.as_slice()),
+        Joint::Free | Joint::Fixed => {}
+    }
+}
+
+/// World rotation `turn` as one of a body's joint, about the axes of its zero frame.
+pub(crate) fn in_zero_frame(state: &State, body: usize, turn: &Vec3) -> Vec3 {
+    state.bodies[body].zero.transpose() * turn
+}

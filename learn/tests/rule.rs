@@ -1,0 +1,145 @@
+//! Ground truth: a nonlinear rule from human to lamp, thirty key poses, a thousand frames never seen.
+
+mod rule {
+    pub mod performance;
+}
+
+use learn::{GplvmOptions, Method, Model, Pairs, Start, rms_error, suggest};
+use nalgebra::DMatrix;
+use rand::{RngExt, SeedableRng};
+use rand_pcg::Pcg64;
+use rule::performance::{farthest, performance};
+
+fn pick(y: &DMatrix<f64>, z: &DMatrix<f64>, keep: &[usize]) -> Pairs {
+    Pairs::new(&y.select_rows(keep), &z.select_rows(keep)).unwrap()
+}
+
+/// R² of the best affine map from human to lamp: 1 − residual/variance over all hinges.
+fn linear_r2(y: &DMatrix<f64>, z: &DMatrix<f64>) -> f64 {
+    let design = y.clone().insert_column(y.ncols(), 1.0);
+    let fitted = &design * design.clone().svd(true, true).solve(z, 1e-10).unwrap();
+    let centred = z - DMatrix::from_element(z.nrows(), 1, 1.0) * z.row_mean();
+    1.0 - (z - fitted).norm_squared() / centred.norm_squared()
+}
+
+/// 5° RMS is asked for over 1,000 frames of another take; no affine map explains more than 80 % of either.
+#[test]
+fn thirty_key_poses_reproduce_a_thousand_unseen_frames() {
+    let (y, z) = performance(2000, 0);
+    let (unseen, truth) = performance(1000, 5);
+    for (y, z) in [(&y, &z), (&unseen, &truth)] {
+        let r2 = linear_r2(y, z);
+        assert!(r2 <= 0.8, "{r2}"); // 0.781, 0.756
+    }
+    let pairs = pick(&y, &z, &farthest(&y, 30));
+    let error = |method, options: &GplvmOptions| {
+        let model = Model::fit(method, &pairs, options).unwrap();
+        rms_error(&model, &unseen, &truth).unwrap().to_degrees()
+    };
+    let all = Method::ALL.map(|m| error(m, &GplvmOptions::default()));
+    println!("gplvm, gp, pca, nn3, nn10: {all:.2?} deg RMS");
+    let [gplvm, gp, pca, nn3, nn10] = all; // 2.5, 2.0, 13.0, 8.7, 12.1 seen
+    assert!(gplvm < 5.0 && gp < 5.0, "{all:?}");
+    assert!(pca.min(nn3).min(nn10) > 2.0 * gplvm, "{all:?}");
+    // What the kernel CCA start buys over principal components: 2.5° against 4.3° seen.
+    let from_pca = error(Method::Gplvm, &GplvmOptions { start: Start::Pca, ..GplvmOptions::default() });
+    println!("from PCA start: {from_pca:.2}");
+    assert!(gplvm < from_pca, "{gplvm} {from_pca}");
+}
+
+/// Feature points of planar chains whose joints are these columns of `angles`: three markers on each link of 0.4 m, m.
+fn markers(angles: &DMatrix<f64>, chains: &[&[usize]]) -> DMatrix<f64> {
+    let mut all = Vec::new();
+    for i in 0..angles.nrows() {
+        for chain in chains {
+            let (mut at, mut turn) = ([0.0, 0.0], 0.0_f64);
+            for &joint in *chain {
+                turn += angles[(i, joint)];
+                for (along, across) in [(0.15, 0.05), (0.3, -0.05), (0.4, 0.0)] {
+                    all.push(at[0] + along * turn.sin() + across * turn.cos());
+                    all.push(at[1] + along * turn.cos() - across * turn.sin());
+                }
+                at = [at[0] + 0.4 * turn.sin(), at[1] + 0.4 * turn.cos()];
+            }
+        }
+    }
+    DMatrix::from_row_slice(angles.nrows(), all.len() / angles.nrows(), &all)
+}
+
+/// With feature points, as the paper uses them, the shared model generalises better than the GP it is compared with
+/// there, and far better than PCA and neighbours. With twelve bare angles the GP wins (2.0° to 2.5° above): the
+/// likelihood of a few coordinates does not outweigh the prior of as many latent ones.
+#[test]
+fn with_markers_the_shared_model_generalises_best() {
+    let human: [&[usize]; 5] = [&[4, 5, 0, 3, 10], &[4, 6, 7], &[4, 5, 8, 9, 11], &[4, 1, 7], &[4, 5, 2, 9]];
+    let lamp: [&[usize]; 1] = [&[0, 1, 2, 3, 4]];
+    let take = |frames, take| {
+        let (y, z) = performance(frames, take);
+        (markers(&y, &human), markers(&z, &lamp))
+    };
+    let ((y, z), (unseen, truth)) = (take(2000, 0), take(200, 5));
+    assert_eq!((y.ncols(), z.ncols()), (120, 30));
+    let mut sums = [0.0; 5];
+    for seed in 0..6 {
+        let mut rng = Pcg64::seed_from_u64(seed);
+        let mut keep = farthest(&y, if seed == 0 { 30 } else { 0 });
+        while keep.len() < 30 {
+            let i = rng.random_range(0..y.nrows());
+            if keep.iter().all(|&j| i.abs_diff(j) > 3) {
+                keep.push(i);
+            }
+        }
+        let pairs = pick(&y, &z, &keep);
+        let error = |m| {
+            let model = Model::fit(m, &pairs, &GplvmOptions::default()).unwrap();
+            1e3 * rms_error(&model, &unseen, &truth).unwrap()
+        };
+        let errors = Method::ALL.map(error);
+        println!("gplvm, gp, pca, nn3, nn10: {errors:.0?} mm RMS");
+        sums.iter_mut().zip(errors).for_each(|(s, e)| *s += e / 6.0);
+    }
+    println!("mean: {sums:.0?} mm RMS");
+    let [gplvm, gp, pca, nn3, nn10] = sums; // 179, 220, 587, 243, 240 seen
+    assert!(gplvm < gp, "{sums:?}");
+    assert!(gplvm < 0.8 * pca.min(nn3).min(nn10), "{sums:?}");
+}
+
+/// Five poses suggested lower the held-out error more than five drawn at random: median over 20 seeds.
+#[test]
+fn suggested_poses_teach_more_than_random_ones() {
+    let (y, z) = performance(600, 0);
+    let (unseen, truth) = performance(1000, 5);
+    let some: Vec<usize> = (0..1000).step_by(7).collect();
+    let (unseen, truth) = (unseen.select_rows(&some), truth.select_rows(&some));
+    let options = GplvmOptions::default();
+    let mut gains: [Vec<f64>; 2] = Default::default();
+    for seed in 0..20 {
+        let mut rng = Pcg64::seed_from_u64(seed);
+        let mut drawn = Vec::new();
+        while drawn.len() < 20 {
+            let i = rng.random_range(0..y.nrows());
+            if drawn.iter().all(|&j: &usize| i.abs_diff(j) > 3) {
+                drawn.push(i);
+            }
+        }
+        let (start, random) = drawn.split_at(15);
+        let fit = |more: &[usize]| {
+            let keep = [start, more].concat();
+            Model::fit(Method::Gplvm, &pick(&y, &z, &keep), &options).unwrap()
+        };
+        let error = |m: &Model| rms_error(m, &unseen, &truth).unwrap().to_degrees();
+        let model = fit(&[]);
+        let before = error(&model);
+        let named: Vec<usize> = suggest(&model, &y, 5).unwrap().iter().map(|s| s.frame).collect();
+        for (gains, more) in gains.iter_mut().zip([random, &named]) {
+            gains.push(before - error(&fit(more)));
+        }
+    }
+    let median = |v: &mut Vec<f64>| {
+        v.sort_by(f64::total_cmp);
+        0.5 * (v[9] + v[10])
+    };
+    let [random, suggested] = gains.each_mut().map(median);
+    println!("gain: random {random:.2} deg, suggested {suggested:.2} deg"); // 3.1, 4.5 seen
+    assert!(suggested > random, "{random} {suggested}");
+}
