@@ -3,7 +3,6 @@
 //! In: a learned mapping and a human motion. Out: the frames whose poses would take most doubt from the model, by
 //! [`learn::suggest()`]: each one named is taken for keyed, so that five names are five poses and not five neighbours.
 
-use learn::Criterion;
 use motion::{Clip, Kinematics};
 use nalgebra::DMatrix;
 
@@ -31,7 +30,7 @@ impl Mapping {
             performer.features.read(&k, 0.0, &mut row);
             frames.row_mut(i).iter_mut().zip(&row).for_each(|(to, from)| *to = *from);
         }
-        let named = learn::suggest(&self.model, &frames, count, Criterion::default());
+        let named = learn::suggest(&self.model, &frames, count);
         let named = named.map_err(|e| RetargetError::Learn(e.to_string()))?;
         Ok(named.into_iter().map(|s| s.frame).collect())
     }
