@@ -162,7 +162,7 @@ pub fn headings(clip: &Clip, root: &RootFrame) -> Vec<f64> {
 }
 
 /// What of a sampled curve is below a frequency.
-fn low_pass(x: &[f64], cutoff_hz: f64, rate_hz: f64) -> Vec<f64> {
+pub(crate) fn low_pass(x: &[f64], cutoff_hz: f64, rate_hz: f64) -> Vec<f64> {
     let mut out = x.to_vec();
     if x.len() > 3 {
         let third = vec![0.0; x.len() - 3];

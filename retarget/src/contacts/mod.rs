@@ -17,6 +17,7 @@ pub mod reach;
 
 use motion::{Clip, Vec3};
 
+use crate::global_transform::low_pass;
 use crate::result::ContactReport;
 use crate::{Puppet, RetargetError};
 use paths::{Path, Span, held_paths};
@@ -35,6 +36,9 @@ pub struct Phase {
 
 /// Holds the contact points of `clip` in their phases; what else moves, moves as little as it can.
 ///
+/// In two passes: solved frame by frame, the root is jerked about wherever a straight leg has to reach. Of the
+/// way it takes in the first pass it keeps what is slow, and in the second it gives way only where legs cannot reach.
+///
 /// # Errors
 /// A phase of an unknown point, reversed, outside the clip, or overlapping another of its point.
 pub fn adjust(
@@ -47,10 +51,30 @@ pub fn adjust(
     let goals = held_paths(puppet, &before, &spans, clip.rate_hz);
     let mut reach = Reach::new(puppet, &spans);
     let mut out = clip.clone();
-    for i in 0..clip.frames() {
+    let put = |reach: &mut Reach, from: &[f64], i: usize, q: &mut [f64]| {
         let resting = |c: usize| spans[c].iter().any(|s| s.first <= i && i <= s.last);
-        let goal = |c: usize| (goals[c][i], resting(c));
-        reach.solve(clip.pose(i), &goal, out.pose_mut(i));
+        reach.solve(from, &|c| (goals[c][i], resting(c)), q);
+    };
+    for i in 0..clip.frames() {
+        put(&mut reach, clip.pose(i), i, out.pose_mut(i));
+    }
+    // the root's way, smoothed, is where the second pass starts from and stays
+    let (nv, frames) = (clip.skeleton.nv(), clip.frames());
+    let mut ways = vec![vec![0.0; frames]; ROOT_DOFS];
+    let mut way = vec![0.0; nv];
+    for i in 0..frames {
+        clip.skeleton.difference(clip.pose(i), out.pose(i), 1.0, &mut way);
+        (0..ROOT_DOFS).for_each(|d| ways[d][i] = way[d]);
+    }
+    let ways: Vec<Vec<f64>> = ways.iter().map(|w| low_pass(w, ROOT_HZ, clip.rate_hz)).collect();
+    reach.hold_root();
+    let mut from = clip.pose(0).to_vec();
+    for i in 0..frames {
+        way.fill(0.0);
+        (0..ROOT_DOFS).for_each(|d| way[d] = ways[d][i]);
+        from.copy_from_slice(clip.pose(i));
+        clip.skeleton.integrate(&mut from, &way, 1.0);
+        put(&mut reach, &from, i, out.pose_mut(i));
     }
     let report = report(&before, &point_paths(puppet, &out), &spans, clip.rate_hz);
     Ok((out, report))
@@ -69,6 +93,11 @@ pub fn point_paths(puppet: &Puppet, clip: &Clip) -> Vec<Path> {
     }
     out
 }
+
+/// Degrees of freedom of a free root.
+const ROOT_DOFS: usize = 6;
+/// The root follows its contacts below this frequency, Hz: above, the legs do.
+const ROOT_HZ: f64 = 2.0;
 
 /// Frames on either side of a phase's end in which jerk is looked at, s.
 const NEAR_S: f64 = 0.1;

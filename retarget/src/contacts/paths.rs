@@ -21,6 +21,10 @@
 //! for in flight, and the jerk near the ends of a walk's phases rose from 1.1 to 1.3 times the source's; so it did with
 //! longer T'. Before the first phase and after the last Δ is that of the phase, but for its rate.
 //!
+//! *One link, one correction.* A heel that flies while its ball rests is carried by the ball's correction: with one of
+//! its own it would disagree with the ball by centimetres, and the foot would jump when the ball leaves. So c
+//! above is the path of the point with its link carried along, c + D, D the mean correction of the link's resting points.
+//!
 //! *Floor.* A height below 0 in flight is compressed to y/√(1 + (y/δ)²): never deeper than δ = 4 mm, and equal
 //! to y to second order at 0, where phases begin and end.
 //!
@@ -44,15 +48,78 @@ pub struct Span {
 
 /// Longest time in which speed is brought to rest, s.
 pub const BRAKE_S: f64 = 0.2;
+/// Time in which a resting point comes to count for its link, s.
+const FADE_S: f64 = 0.1;
 /// Depth that a flying point approaches but never reaches, m.
 pub const FLOOR_M: f64 = 0.004;
 
 /// The paths that hold every point in its phases. A point without phases keeps its path (above the floor).
 pub fn held_paths(puppet: &Puppet, paths: &[Path], spans: &[Vec<Span>], rate_hz: f64) -> Vec<Path> {
     let places = places(puppet, paths, spans);
+    let carried = carried(puppet, paths, spans, &places, rate_hz);
     let mut out = paths.to_vec();
-    for (((path, source), spans), places) in out.iter_mut().zip(paths).zip(spans).zip(&places) {
-        hold(path, source, spans, places, rate_hz);
+    for (c, path) in out.iter_mut().enumerate() {
+        let source: Path = paths[c].iter().zip(&carried[c]).map(|(p, d)| p + d).collect();
+        hold(path, &source, &spans[c], &places[c], rate_hz);
+    }
+    out
+}
+
+/// For each point the correction that its link has, D: the mean of the corrections of the link's resting points, each
+/// fading in and out within its phase; bridged where none rests.
+fn carried(
+    puppet: &Puppet,
+    paths: &[Path],
+    spans: &[Vec<Span>],
+    places: &[Vec<Vec3>],
+    rate_hz: f64,
+) -> Vec<Path> {
+    let sites = puppet.character.skeleton.sites();
+    let link = |c: usize| sites[puppet.contacts[c].site].link;
+    let fade = (FADE_S * rate_hz).round().max(1.0);
+    let of_link = |l: usize| {
+        let mut sum = vec![(Vec3::zeros(), 0.0); paths[0].len()];
+        for c in (0..paths.len()).filter(|&c| link(c) == l) {
+            for (s, place) in spans[c].iter().zip(&places[c]) {
+                for i in s.first..=s.last {
+                    let inside = (i - s.first).min(s.last - i) as f64 + 0.5;
+                    let x = (inside / fade).min(1.0);
+                    let weight = x * x * (3.0 - 2.0 * x);
+                    sum[i].0 += (place - paths[c][i]) * weight;
+                    sum[i].1 += weight;
+                }
+            }
+        }
+        let known: Vec<Option<Vec3>> = sum.iter().map(|(d, w)| (*w > 0.0).then(|| d / *w)).collect();
+        bridge(&known, rate_hz)
+    };
+    (0..paths.len()).map(|c| of_link(link(c))).collect()
+}
+
+/// A path known in some frames, led on through the others without a jump in place or rate.
+fn bridge(known: &[Option<Vec3>], rate_hz: f64) -> Path {
+    let n = known.len();
+    let rate = |i: usize, j: usize| match (known.get(i).copied().flatten(), known.get(j).copied().flatten()) {
+        (Some(a), Some(b)) => (b - a) * rate_hz,
+        _ => Vec3::zeros(),
+    };
+    let mut out = vec![Vec3::zeros(); n];
+    let mut i = 0;
+    while i < n {
+        if let Some(d) = known[i] {
+            out[i] = d;
+            i += 1;
+            continue;
+        }
+        let run = known[i..].iter().take_while(|k| k.is_none()).count();
+        let (a, b) = (i.checked_sub(1), (i + run < n).then_some(i + run));
+        let end = |at: usize, rate: Vec3| End { shift: known[at].unwrap_or_default(), rate };
+        let from = a.map(|a| (a, end(a, rate(a.wrapping_sub(1), a))));
+        let to = b.map(|b| (b, end(b, rate(b, b + 1))));
+        for (j, x) in out.iter_mut().enumerate().take(i + run).skip(i) {
+            *x = between(j, from, to, rate_hz);
+        }
+        i += run;
     }
     out
 }
@@ -127,32 +194,9 @@ fn hold(path: &mut Path, source: &Path, spans: &[Span], places: &[Vec3], rate_hz
         shift: place - source[frame],
         rate: -rate_at(source, frame, rate_hz),
     };
-    let brake = |seconds: f64| seconds.min(BRAKE_S);
     let mut fly = |frames: std::ops::Range<usize>, from: Option<(usize, End)>, to: Option<(usize, End)>| {
         for i in frames {
-            let mut shift = Vec3::zeros();
-            let length = match (&from, &to) {
-                (Some((a, x)), Some((b, y))) => {
-                    let s = (i - a) as f64 / (b - a) as f64;
-                    shift += x.shift + (y.shift - x.shift) * (s * s * s * (10.0 - 15.0 * s + 6.0 * s * s));
-                    (b - a) as f64 / rate_hz
-                }
-                (Some((_, x)), None) | (None, Some((_, x))) => {
-                    shift += x.shift;
-                    f64::INFINITY
-                }
-                (None, None) => 0.0,
-            };
-            let t = brake(length);
-            // mirrored in time at the far end: rates change sign
-            for (side, sign) in [(&from, 1.0), (&to, -1.0)] {
-                let Some((at, e)) = side else { continue };
-                let s = i.abs_diff(*at) as f64 / rate_hz / t;
-                if s < 1.0 {
-                    shift += e.rate * (sign * t * s * (1.0 - s).powi(3) * (1.0 + 3.0 * s));
-                }
-            }
-            path[i] = source[i] + shift;
+            path[i] = source[i] + between(i, from, to, rate_hz);
             path[i].y = floored(path[i].y);
         }
     };
@@ -163,6 +207,29 @@ fn hold(path: &mut Path, source: &Path, spans: &[Span], places: &[Vec3], rate_hz
     }
     let from = last.last;
     fly(from + 1..source.len(), Some((from, end(from, &places[places.len() - 1]))), None);
+}
+
+/// Δ at frame `i` of a flight between two ends, of which one may be missing. See the module header.
+fn between(i: usize, from: Option<(usize, End)>, to: Option<(usize, End)>, rate_hz: f64) -> Vec3 {
+    let (mut shift, length_s) = match (&from, &to) {
+        (Some((a, x)), Some((b, y))) => {
+            let s = (i - a) as f64 / (b - a) as f64;
+            let way = (y.shift - x.shift) * (s * s * s * (10.0 - 15.0 * s + 6.0 * s * s));
+            (x.shift + way, (b - a) as f64 / rate_hz)
+        }
+        (Some((_, x)), None) | (None, Some((_, x))) => (x.shift, f64::INFINITY),
+        (None, None) => return Vec3::zeros(),
+    };
+    let t = length_s.min(BRAKE_S);
+    // mirrored in time at the far end: the rate changes sign
+    for (side, sign) in [(&from, 1.0), (&to, -1.0)] {
+        let Some((at, e)) = side else { continue };
+        let s = i.abs_diff(*at) as f64 / rate_hz / t;
+        if s < 1.0 {
+            shift += e.rate * (sign * t * s * (1.0 - s).powi(3) * (1.0 + 3.0 * s));
+        }
+    }
+    shift
 }
 
 /// Height kept above −[`FLOOR_M`].

@@ -44,8 +44,10 @@ const ROOT_TURN: f64 = 20.0;
 const ROOT_WAY: f64 = 10.0;
 /// Steps before the ground is looked at: by then the goals are nearly reached.
 const SETTLE: usize = 2;
+/// How much more a held root weighs.
+const HELD_ROOT: f64 = 10.0;
 /// Most steps.
-const STEPS: usize = 15;
+const STEPS: usize = 30;
 /// A step below this, rad or m, is the last.
 const STILL: f64 = 1e-8;
 
@@ -120,6 +122,11 @@ impl Reach {
             away: vec![0.0; n],
             skeleton: skeleton.clone(),
         }
+    }
+
+    /// From now on the root stays where `from` has it, as long as the legs can reach.
+    pub fn hold_root(&mut self) {
+        self.weights[..6].iter_mut().for_each(|w| *w *= HELD_ROOT);
     }
 
     /// Writes the pose near `from` whose points are at their goals into `q`.

@@ -6,14 +6,17 @@
 //! ```text
 //! Z = ½ wᵀw + k₁ Z_p + k₂ Z_m + slip + limits + collisions                                          (11)
 //! Z_p = ½ Σ_frames |F − F̂|² + |N − N̂|²/ℓ²                                                          (12)
-//! Z_m = ½ Σ_frames Σ_points |p − p₀|²/σ²                                                            (15)
+//! Z_m = ½ Σ_frames dt/τ · mean_points |p − p₀|²/σ²                                                 (15)
 //! ```
 //!
 //! - *Z_p*: see [`physics`]. Forces count as those of a body of [`REFERENCE_KG`], so that k₁ means the same for a lamp
 //!   and a man; ℓ is the radius of gyration about X in the rest pose.
 //! - *Z_m*: the mapping's variance σ² (never below [`LEAST_DEVIATION_M`]²) about the pose that is refined, not about
-//!   the mapping's mean: that one knows nothing of where the feet were put, and would pull them off. Unsure frames
-//!   move more, also to get out of a collision.
+//!   the mapping's mean: that one knows nothing of where the feet were put, and would pull them off. \[YAH10\] sums over
+//!   frames and points as if they erred independently. A body that is mapped too low has all its points too low, for
+//!   as long as the pose lasts: the points count as one here, and so do the frames of τ = [`INDEPENDENT_S`], whatever
+//!   the frame rate. (Summed as printed, Z_m holds a jump at the height it was mapped to; the flight cannot become one.)
+//!   Unsure frames move more, also to get out of a collision.
 //! - *Slip* of points in a phase from their place, half a cost at [`SLIP_M`]; *limits* of joints; *collisions* of
 //!   the body with itself, the ground and the scene ([`solids`]).
 //!
@@ -49,6 +52,8 @@ use solids::Solids;
 pub const REFERENCE_KG: f64 = 75.0;
 /// Least standard deviation of a feature point, m.
 pub const LEAST_DEVIATION_M: f64 = 0.01;
+/// Time over which the mapping errs in the same way, τ, s.
+pub const INDEPENDENT_S: f64 = 0.5;
 /// Slip that costs one half, m.
 pub const SLIP_M: f64 = 0.0005;
 /// Gravity, m/s².

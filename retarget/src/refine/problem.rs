@@ -12,7 +12,7 @@ use super::band::Band;
 use super::basis::{Active, Basis};
 use super::physics::{Physics, Slopes};
 use super::solids::{Solids, Touch};
-use super::{GRAVITY, LEAST_DEVIATION_M, REFERENCE_KG, SLIP_M};
+use super::{GRAVITY, INDEPENDENT_S, LEAST_DEVIATION_M, REFERENCE_KG, SLIP_M};
 use crate::axes::Axes;
 use crate::limits::way_back;
 use crate::options::RefineOptions;
@@ -136,9 +136,11 @@ impl<'a> Problem<'a> {
         out
     }
 
-    fn deviation(&self, frame: usize) -> f64 {
-        // 1/σ²
-        1.0 / self.setting.variance[frame].max(LEAST_DEVIATION_M * LEAST_DEVIATION_M)
+    /// Weight of a point's squared way in a frame: k₂ dt/(τ n σ²).
+    fn stay(&self, frame: usize) -> f64 {
+        let n = self.setting.puppet.features.points.len() as f64;
+        let variance = self.setting.variance[frame].max(LEAST_DEVIATION_M * LEAST_DEVIATION_M);
+        self.setting.options.k2 / (variance * n * INDEPENDENT_S * self.base.rate_hz)
     }
 
     fn cost(&mut self, clip: &Clip, w: &[f64]) -> f64 {
@@ -163,7 +165,7 @@ impl<'a> Problem<'a> {
                 .zip(&self.reference[i * points..])
                 .map(|(p, r)| (self.k.point(p.link, &p.at) - r).norm_squared())
                 .sum();
-            sum += 0.5 * self.setting.options.k2 * self.deviation(i) * away;
+            sum += 0.5 * self.stay(i) * away;
             let slips = self.slips(i).map(|(_, _, slip)| slip.norm_squared()).sum::<f64>();
             sum += 0.5 * slips / (SLIP_M * SLIP_M);
             let links = 0..clip.skeleton.links().len();
@@ -231,7 +233,7 @@ impl<'a> Problem<'a> {
         self.k.update(&clip.skeleton, q);
         self.axes.update(&clip.skeleton, &self.k);
         let points = &puppet.features.points;
-        let weight = self.setting.options.k2 * self.deviation(frame);
+        let weight = self.stay(frame);
         for (p, r) in points.iter().zip(&self.reference[frame * points.len()..]) {
             let at = self.k.point(p.link, &p.at);
             self.point(p.link, &at, &(at - r), weight, local);

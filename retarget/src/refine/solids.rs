@@ -4,7 +4,8 @@
 //! with balls along its longest directions, half a radius of overlap between neighbours, so that a capsule's
 //! surface is at most 14 % of its radius above theirs; distances are then between centres, with a direction
 //! wherever two centres are apart. Two links that touch in the rest pose or hang on one another are no
-//! collision; links with contact points may touch the ground.
+//! collision; links with contact points, and those they hang on, may touch the ground: a shin is thicker than its ankle
+//! is high.
 
 use motion::{Kinematics, Shape, Vec3};
 
@@ -71,7 +72,12 @@ impl Solids {
                 }
             }
         }
-        let stands = |link: usize| puppet.contacts.iter().any(|p| c.skeleton.sites()[p.site].link == link);
+        let stands = |link: usize| {
+            puppet.contacts.iter().any(|p| {
+                let foot = c.skeleton.sites()[p.site].link;
+                foot == link || c.skeleton.links()[foot].parent == Some(link)
+            })
+        };
         out.aloft = (0..out.links.len()).filter(|&i| !stands(out.links[i].0)).collect();
         out
     }
