@@ -74,9 +74,12 @@ fn latent(session: &Session, done: &Retargeted, note: &str) -> Result<Figure, Fa
     Ok(plots::latent_paths(&panels, note))
 }
 
+/// A number of a model, if it has it.
+type Number = fn(&ModelRow) -> Option<f64>;
+
 /// The five models side by side.
 fn models(report: &RetargetReport, note: &str) -> Figure {
-    let columns: [(&str, fn(&ModelRow) -> Option<f64>); 5] = [
+    let columns: [(&str, Number); 5] = [
         ("at its key poses (°)", |m| Some(m.learned_deg)),
         ("pose left out (°)", |m| Some(m.left_out_deg)),
         ("performance left out (°)", |m| Some(m.performance_left_out_deg)),
@@ -84,7 +87,7 @@ fn models(report: &RetargetReport, note: &str) -> Figure {
         ("force mismatch left (%)", |m| m.mismatch_left_percent),
     ];
     let cell = |x: Option<f64>| x.map_or_else(|| "–".into(), |x| format!("{x:.2}"));
-    let best = |of: fn(&ModelRow) -> Option<f64>| {
+    let best = |of: Number| {
         let all = report.models.iter().enumerate().filter_map(|(i, m)| Some((i, of(m)?)));
         all.min_by(|a, b| a.1.total_cmp(&b.1)).map(|(i, _)| i)
     };

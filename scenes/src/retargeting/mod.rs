@@ -41,7 +41,7 @@ pub enum RetargetingError {
         /// The file it is about.
         path: String,
         /// What is wrong.
-        source: RetargetError,
+        source: Box<RetargetError>,
     },
     /// No key poses were named, and none lie where they are looked for.
     #[error("no key poses for `{character}`: {} does not exist\n  help: name a file of key poses with --keyposes FILE.ron", .looked.display())]
@@ -87,8 +87,9 @@ impl Performance {
     /// Anything wrong with the file; a body that is not human.
     pub fn open(path: &Path, import: &ImportOptions) -> Result<Self, RetargetingError> {
         let stage = stage::open(path, None, import)?;
-        let performer = Performer::new(stage.character.as_ref().clone())
-            .map_err(|source| RetargetingError::Retarget { path: path.display().to_string(), source })?;
+        let performer = Performer::new(stage.character.as_ref().clone()).map_err(|source| {
+            RetargetingError::Retarget { path: path.display().to_string(), source: Box::new(source) }
+        })?;
         Ok(Self {
             name: stage.name,
             clip: stage.kinematic,
@@ -144,8 +145,9 @@ impl Actor {
     /// Anything wrong with the file; no contact point with a human counterpart.
     pub fn open(path: &Path) -> Result<Self, RetargetingError> {
         let file = character_file::read_file(path)?;
-        let puppet = Puppet::new(file.character.clone(), file.follows.clone())
-            .map_err(|source| RetargetingError::Retarget { path: path.display().to_string(), source })?;
+        let puppet = Puppet::new(file.character.clone(), file.follows.clone()).map_err(|source| {
+            RetargetingError::Retarget { path: path.display().to_string(), source: Box::new(source) }
+        })?;
         Ok(Self { file, puppet, path: path.into() })
     }
 
@@ -202,7 +204,10 @@ impl Session {
     pub fn learn(&self, options: &Options) -> Result<Mapping, RetargetingError> {
         let pairs = &self.key_poses.key_poses;
         Mapping::learn(&self.actor.puppet, pairs, options.model, options.latent).map_err(|source| {
-            RetargetingError::Retarget { path: self.key_poses.path.display().to_string(), source }
+            RetargetingError::Retarget {
+                path: self.key_poses.path.display().to_string(),
+                source: Box::new(source),
+            }
         })
     }
 
@@ -239,7 +244,7 @@ impl Session {
     }
 
     pub(crate) fn fault(&self, source: RetargetError) -> RetargetingError {
-        RetargetingError::Retarget { path: self.performance.name.clone(), source }
+        RetargetingError::Retarget { path: self.performance.name.clone(), source: Box::new(source) }
     }
 
     /// The result as a stage: it can be drawn, written and performed as any clip.
@@ -261,7 +266,8 @@ impl Session {
 /// A moment that the performance does not have; no eyes to look with.
 pub fn guess(performance: &Performance, actor: &Actor, at_s: f64) -> Result<String, RetargetingError> {
     let frame = performance.frame(at_s)?;
-    let fault = |source| RetargetingError::Retarget { path: performance.name.clone(), source };
+    let fault =
+        |source| RetargetingError::Retarget { path: performance.name.clone(), source: Box::new(source) };
     let skeleton = &performance.performer.character.skeleton;
     let mut human = performance.clip.pose(frame).to_vec();
     human[skeleton.q_at(0) + 1] -= performance.ground_m;
