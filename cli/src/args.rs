@@ -277,9 +277,15 @@ pub struct RetargetArgs {
     /// Name the N moments whose poses the model is least sure of
     #[arg(long, value_name = "N", value_parser = suggestions)]
     pub suggest_keyposes: Option<usize>,
+    /// Run all five models and table their errors at the key poses
+    #[arg(long)]
+    pub compare: bool,
     /// Print first guesses for key poses at these moments, s, as lines for a file of key poses, and do nothing else
     #[arg(long, value_name = "S", value_delimiter = ',', allow_negative_numbers = true)]
     pub guess: Vec<f64>,
+    /// Draw all key poses beside the human poses they stand for, into DIR/plots, and do nothing else
+    #[arg(long, conflicts_with = "guess")]
+    pub sheet: bool,
     /// Folder to write into; earlier output there is replaced when all is complete
     /// [default: out/PERFORMANCE-CHARACTER]
     #[arg(long, value_name = "DIR")]

@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use motion::Clip;
 use motion::format::{self, bvh, glb};
 use scenes::retarget::{Options, Retargeted};
-use scenes::retargeting::{self, Actor, Performance, RetargetReport, RetargetingError, Session};
+use scenes::retargeting::{self, Actor, Performance, RetargetReport, RetargetingError, Session, compare};
 
 use crate::args::RetargetArgs;
 use crate::failure::Failure;
@@ -39,6 +39,9 @@ pub fn run(args: &RetargetArgs) -> Result<(), Failure> {
     let dir = args.out.clone().unwrap_or_else(|| Path::new("out").join(&name));
     Output::check(&dir)?;
 
+    if args.sheet {
+        return sheet(&session, &dir);
+    }
     progress.part("mapping");
     let options = Options {
         model: args.model.model(),
@@ -46,12 +49,17 @@ pub fn run(args: &RetargetArgs) -> Result<(), Failure> {
         rate_hz: args.rate,
         ..Options::default()
     };
-    let done = session.run(&options).map_err(failure)?;
+    let mapping = session.learn(&options).map_err(failure)?;
+    let done = session.run(&mapping, &options).map_err(failure)?;
     let suggested = match args.suggest_keyposes {
-        Some(n) => session.suggest(&done, n),
+        Some(n) => session.suggest(&mapping, &done, n).map_err(failure)?,
         None => Vec::new(),
     };
     let mut report = RetargetReport::new(&session, options.model, &done, suggested);
+    if args.compare {
+        progress.part("comparing");
+        report.models = compare::compare(&session, &options).map_err(failure)?;
+    }
 
     progress.part("writing");
     let output = Output::replacing(&dir, ours())?;
@@ -61,7 +69,8 @@ pub fn run(args: &RetargetArgs) -> Result<(), Failure> {
         progress.part("drawing");
         let plots = folder.dir.join(output::PLOTS);
         std::fs::create_dir(&plots).map_err(|e| Failure::Run(format!("cannot write plots: {e}")))?;
-        figures::draw(&session, &options, &done, &mut |stem, figure, share| {
+        let drawn = folder.report.clone();
+        figures::draw(&session, &drawn, &done, &mut |stem, figure, share| {
             figure.save(&plots, stem).map_err(Failure::run)?;
             for kind in ["svg", "png"] {
                 folder.add(&format!("{stem}_{kind}"), &format!("{}/{stem}.{kind}", output::PLOTS));
@@ -88,6 +97,15 @@ fn guess(args: &RetargetArgs) -> Result<(), Failure> {
         text.push('\n');
     }
     output::print(&text)
+}
+
+/// Draws the key poses.
+fn sheet(session: &Session, dir: &Path) -> Result<(), Failure> {
+    let plots = dir.join(output::PLOTS);
+    std::fs::create_dir_all(&plots)
+        .map_err(|e| Failure::Run(format!("cannot make {}: {e}", plots.display())))?;
+    let files = figures::key_poses(session).save(&plots, "key_poses").map_err(Failure::run)?;
+    output::print(&files.map(|f| format!("{}\n", f.display())).concat())
 }
 
 /// All faults of a request are of its input: nothing is random, and nothing outside is asked.
@@ -197,6 +215,16 @@ fn write(out: &mut String, r: &RetargetReport, dir: &Path) -> std::fmt::Result {
     for (i, s) in r.suggested.iter().enumerate() {
         let text = format!("{:.3} s, confidence {:.0} %", s.at_s, 100.0 * s.confidence);
         line(out, if i == 0 { "next pose" } else { "" }, text)?;
+    }
+    if !r.models.is_empty() {
+        line(out, "models", "error at key poses: learned, left out one by one, left out by performance")?;
+        for m in &r.models {
+            let text = format!(
+                "  {:<6} {:>5.1}°  {:>5.1}°  {:>5.1}°   jerk × {:.2}",
+                m.model, m.learned_deg, m.left_out_deg, m.performance_left_out_deg, m.jerk_ratio
+            );
+            line(out, "", text)?;
+        }
     }
     let mut files: Vec<&String> = r.files.values().filter(|f| !f.starts_with(output::PLOTS)).collect();
     let plots = format!("{}/", output::PLOTS);

@@ -67,6 +67,6 @@ pub use residual::momentum_residual;
 pub use retargeted::{
     Confidence, LatentPath, Table, confidence_strip, force_match, latent_paths, momentum_match, table,
 };
-pub use stages::{StageColumn, stage_strip};
+pub use stages::{PosePair, StageColumn, pose_sheet, stage_strip};
 pub use strip::{StripOptions, StripRow, film_strip, film_strip_with};
 pub use torque::joint_torques;

@@ -83,6 +83,70 @@ pub fn stage_strip(columns: &[StageColumn], times: &[f64], yaw_deg: f64, note: &
     figure
 }
 
+/// A pair of poses on a [`pose_sheet`].
+#[derive(Clone, Copy, Debug)]
+pub struct PosePair<'a> {
+    /// Stands under it.
+    pub label: &'a str,
+    /// Whose pose is on the left, and the pose.
+    pub human: (&'a Character, &'a [f64]),
+    /// The pose on the right.
+    pub character: &'a [f64],
+}
+
+/// All key poses of a character, each beside the human pose it stands for, seen from the front with the heading
+/// taken out, `yaw_deg` to the left; as many pairs in a row as there is room for.
+pub fn pose_sheet(
+    pairs: &[PosePair],
+    character: &Character,
+    colors: &[Option<[u8; 3]>],
+    yaw_deg: f64,
+    note: &str,
+) -> Figure {
+    const COLUMNS: usize = 7;
+    let title = "Key poses";
+    let tall = height(character);
+    let one = |body: &Character, q: &[f64], colors: &[Option<[u8; 3]>]| {
+        let k = Kinematics::new(&body.skeleton, q);
+        let camera = Camera::around(facing(&body.skeleton, q), yaw_deg);
+        let options = StripOptions { colors: colors.to_vec(), ..Default::default() };
+        let mut frame = painted(&k, body, &camera, 0.0, &options);
+        let at = k.origin(0);
+        frame.shift(&camera.see(&Vec3::new(at.x, 0.0, at.z)));
+        frame.scale(tall / height(body));
+        frame
+    };
+    let pair = |p: &PosePair| {
+        let mut left = one(p.human.0, p.human.1, &[]);
+        let mut right = one(character, p.character, colors);
+        left.shift(&Vec3::new(0.42 * tall, 0.0, 0.0));
+        right.shift(&Vec3::new(-0.42 * tall, 0.0, 0.0));
+        left.join(right);
+        left
+    };
+    let rows = pairs.chunks(COLUMNS).map(|row| row.iter().map(pair).collect()).collect();
+    let mut scene = Scene { times: Vec::new(), rows, extent: [0.0; 4] };
+    scene.measure();
+    let options = StripOptions { count: COLUMNS, width: 1900.0, body_height: 170.0, ..Default::default() };
+    let top = header(&mut Figure::new(options.width, 100.0), title, note, &[]);
+    let layout = Layout::new(&scene, &options, top);
+    let mut figure = Figure::new(options.width, layout.page_height(scene.rows.len().max(1)));
+    header(&mut figure, title, note, &[]);
+    for (r, frames) in scene.rows.iter().enumerate() {
+        layout.floor(&mut figure, r);
+        for (i, frame) in frames.iter().enumerate() {
+            layout.shadows(&mut figure, r, i, frame);
+        }
+        for (i, frame) in frames.iter().enumerate() {
+            layout.body(&mut figure, r, i, frame);
+            let at = [layout.slot_middle(i), layout.row(r).0 + layout.below() + LABEL + 6.0];
+            let label = pairs[r * COLUMNS + i].label;
+            figure.text(label, at, LABEL, style::SOFT, Anchor::Middle);
+        }
+    }
+    figure
+}
+
 /// Height of a body at rest, m.
 fn height(character: &Character) -> f64 {
     let k = Kinematics::new(&character.skeleton, &character.rest);

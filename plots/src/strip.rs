@@ -315,6 +315,12 @@ impl Frame {
         self.each(|p| *p *= by);
     }
 
+    /// Both figures, `other` in front.
+    pub(crate) fn join(&mut self, other: Self) {
+        self.groups.extend(other.groups);
+        self.shadows.extend(other.shadows);
+    }
+
     fn each(&mut self, change: impl Fn(&mut Vec2)) {
         for s in self.groups.iter_mut().flat_map(|g| &mut g.solids) {
             let points = s.outline.iter_mut().chain(s.facets.iter_mut().flat_map(|f| &mut f.points));
@@ -375,6 +381,11 @@ impl Layout {
     pub(crate) fn row(&self, row: usize) -> (f64, f64) {
         let top = self.top + row as f64 * (self.row_height() + ROW_GAP);
         (top + self.over, top)
+    }
+
+    /// Height of the strip of floor under the origin, px.
+    pub(crate) fn below(&self) -> f64 {
+        self.under
     }
 
     pub(crate) fn slot_middle(&self, i: usize) -> f64 {

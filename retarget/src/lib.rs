@@ -5,6 +5,7 @@
 //!
 //! | module | holds |
 //! |---|---|
+//! | `suggest` | which frames to key next |
 //! | [`subject`] | performer and puppet |
 //! | [`features`] | feature points and the root's local frame |
 //! | [`key_poses`] | pairs of human and character poses |
@@ -42,6 +43,7 @@ pub mod prepare;
 pub mod refine;
 pub mod result;
 pub mod subject;
+mod suggest;
 
 pub use contacts::Phase;
 pub use error::RetargetError;

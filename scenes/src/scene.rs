@@ -4,7 +4,7 @@
 //! [`crate::schema`].
 
 use std::collections::BTreeMap;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use controllers::GainBlend;
@@ -15,6 +15,7 @@ use edits::{
 };
 use motion::script::{Action, Cycle, Insert, Pose, PoseValue, Properties, Script};
 use motion::{Curve, Dof, Joint, LimbKind, Value, Vec3};
+use retarget::MappingModel;
 use sim::{Ground, Push};
 
 use crate::angle::quat_from_deg;
@@ -64,6 +65,8 @@ pub struct Scene {
     pub rate_hz: f64,
     /// The script.
     pub script: Script,
+    /// A human motion put on the character instead of the script.
+    pub motion: Option<SceneMotion>,
     /// Edits in order.
     pub edits: Vec<SceneEdit>,
     /// Still time after the last element, s.
@@ -80,6 +83,19 @@ pub struct Scene {
     pub strip: StripRon,
     /// Colour of each link, where the character's file has one.
     pub colors: Vec<Option<[u8; 3]>>,
+}
+
+/// A human motion to be put on the character of a scene.
+#[derive(Clone, Debug)]
+pub struct SceneMotion {
+    /// The performance or clip.
+    pub of: PathBuf,
+    /// The character's file.
+    pub to: PathBuf,
+    /// The key poses; `None` takes those beside the character.
+    pub key_poses: Option<PathBuf>,
+    /// How it is done.
+    pub options: retarget::Options,
 }
 
 /// Reads a scene and its character.
@@ -111,6 +127,7 @@ pub fn parse(source: Source, name: String) -> Result<Scene, SceneError> {
     let planted = check.planted(ron.planted.as_deref())?;
     let footwork = check.footwork(&ron.footwork, &planted, &physics)?;
     let pushes = check.pushes(&ron.pushes)?;
+    let motion = check.motion(&ron, &beside)?;
     let rate_hz = check.within("rate_hz", ron.rate_hz, 1.0, 1000.0, "Hz")?;
     let settle_s = check.within("settle_s", ron.settle_s, 0.0, 3600.0, "s")?;
     if ron.strip.figures < 2 || ron.strip.figures > 40 {
@@ -120,6 +137,7 @@ pub fn parse(source: Source, name: String) -> Result<Scene, SceneError> {
         name,
         rate_hz,
         script,
+        motion,
         edits,
         settle_s,
         planted,
@@ -471,6 +489,53 @@ impl Check<'_> {
                 })
             })
             .collect()
+    }
+
+    fn motion(&self, ron: &SceneRon, character: &Path) -> Result<Option<SceneMotion>, SceneError> {
+        let Some(MotionRon::Retarget { of, keyposes, model, stop_after }) = &ron.motion else {
+            return Ok(None);
+        };
+        for (field, used) in [
+            ("script", !ron.script.is_empty()),
+            ("inserts", !ron.inserts.is_empty()),
+            ("edits", !ron.edits.is_empty()),
+            ("footwork", !ron.footwork.is_empty()),
+        ] {
+            if used {
+                let e = format!("a scene has either a `motion` or a script; `{field}` is of a script");
+                return Err(self.source.error(field, e));
+            }
+        }
+        let folder = self.source.path().parent().unwrap_or(Path::new(""));
+        let of_path = folder.join(of);
+        if !of_path.is_file() {
+            let e = format!("the performance `{}` does not exist", of_path.display());
+            return Err(self
+                .source
+                .error("motion.of", e)
+                .with_help("the path is relative to the scene file"));
+        }
+        Ok(Some(SceneMotion {
+            of: of_path,
+            to: character.to_owned(),
+            key_poses: keyposes.as_ref().map(|k| folder.join(k)),
+            options: retarget::Options {
+                model: match model {
+                    ModelRon::Gplvm => MappingModel::Gplvm,
+                    ModelRon::Gp => MappingModel::Gp,
+                    ModelRon::Pca => MappingModel::Pca,
+                    ModelRon::Nn3 => MappingModel::Nn3,
+                    ModelRon::Nn10 => MappingModel::Nn10,
+                },
+                stop_after: match stop_after {
+                    StopAfterRon::Map => retarget::Stage::Map,
+                    StopAfterRon::Global => retarget::Stage::Global,
+                    StopAfterRon::Contact => retarget::Stage::Contact,
+                    StopAfterRon::Refine => retarget::Stage::Refine,
+                },
+                ..retarget::Options::default()
+            },
+        }))
     }
 
     fn footwork(

@@ -26,6 +26,8 @@ pub struct SceneRon {
     /// Actions.
     #[serde(default)]
     pub script: Vec<ActionRon>,
+    /// A human motion put on the character, instead of a script.
+    pub motion: Option<MotionRon>,
     /// Single elements beside the actions.
     #[serde(default)]
     pub inserts: Vec<InsertRon>,
@@ -183,6 +185,50 @@ pub struct InsertRon {
     /// As in a pose.
     #[serde(default)]
     pub set_m: BTreeMap<String, f64>,
+}
+
+/// Where a motion comes from that is not a script.
+#[derive(Clone, Debug, Deserialize)]
+#[serde(deny_unknown_fields, rename = "motion")]
+pub enum MotionRon {
+    /// A human motion put on the character.
+    Retarget {
+        /// The performance or clip, relative to the scene file.
+        of: String,
+        /// The key poses, relative to the scene file; by default those that lie beside the character.
+        keyposes: Option<String>,
+        /// The model.
+        #[serde(default)]
+        model: ModelRon,
+        /// The last stage.
+        #[serde(default)]
+        stop_after: StopAfterRon,
+    },
+}
+
+/// The statistical model of a mapping.
+#[derive(Clone, Copy, Debug, Default, Deserialize)]
+#[serde(rename = "model")]
+#[expect(missing_docs, reason = "documented in retarget::MappingModel")]
+pub enum ModelRon {
+    #[default]
+    Gplvm,
+    Gp,
+    Pca,
+    Nn3,
+    Nn10,
+}
+
+/// A stage of the retargeting.
+#[derive(Clone, Copy, Debug, Default, Deserialize)]
+#[serde(rename = "stage")]
+#[expect(missing_docs, reason = "documented in retarget::Stage")]
+pub enum StopAfterRon {
+    Map,
+    Global,
+    Contact,
+    #[default]
+    Refine,
 }
 
 /// A step or a jump.

@@ -6,6 +6,7 @@
 //!
 //! ```text
 //! scene.ron ─→ tracks ─→ edits ─→ sampled, limits, feet planted, balanced ─→ Stage
+//! scene.ron with a motion of a human ─→ retargeting ───────────────────────→ Stage
 //! human.bvh ─→ clip ─→ body guessed or given ─→ limits ────────────────────→ Stage
 //! ```
 
@@ -24,7 +25,8 @@ use motion::{Clip, Kinematics, Shape, Tracks, Vec3};
 use sim::{Ground, Pass, PassError, Push};
 
 use crate::overrides::Overrides;
-use crate::scene::{self, Physics, Scene};
+use crate::retargeting::{RetargetingError, Session};
+use crate::scene::{self, Physics, Scene, SceneMotion};
 use crate::schema::StripRon;
 use crate::{SceneError, character_file};
 
@@ -203,6 +205,9 @@ pub fn edited_tracks(scene: &Scene) -> Result<(Tracks, Tracks, EditLog), SceneEr
 /// # Errors
 /// As [`edited_tracks`], and legs that cannot be solved.
 pub fn stage_scene(scene: Scene) -> Result<Stage, SceneError> {
+    if let Some(motion) = &scene.motion {
+        return stage_retargeted(&scene, motion);
+    }
     let (mut plain, mut tracks, log) = edited_tracks(&scene)?;
     let end = tracks.duration_s.max(plain.duration_s) + scene.settle_s;
     let rate_hz = scene.rate_hz.max(scene.physics.rate_hz);
@@ -234,6 +239,25 @@ pub fn stage_scene(scene: Scene) -> Result<Stage, SceneError> {
         clamped,
         character,
     })
+}
+
+/// The stage of a scene whose motion is a human's.
+fn stage_retargeted(scene: &Scene, motion: &SceneMotion) -> Result<Stage, SceneError> {
+    let fault = |e: RetargetingError| match e {
+        RetargetingError::Scene(e) => e, // it has a place of its own
+        e => scene.source.error("motion", e.to_string()),
+    };
+    let import = ImportOptions::default();
+    let session =
+        Session::open(&motion.of, &motion.to, motion.key_poses.as_deref(), &import).map_err(fault)?;
+    let mapping = session.learn(&motion.options).map_err(fault)?;
+    let done = session.run(&mapping, &motion.options).map_err(fault)?;
+    let mut stage = session.stage(&done);
+    stage.name.clone_from(&scene.name);
+    stage.physics = Physics { rate_hz: stage.physics.rate_hz, ..scene.physics };
+    stage.pushes.clone_from(&scene.pushes);
+    stage.strip = scene.strip;
+    Ok(stage)
 }
 
 struct Sampler<'a> {

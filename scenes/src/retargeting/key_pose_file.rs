@@ -60,8 +60,9 @@ pub struct KeyPoseFile {
 
 /// Highest jump of a key pose, m.
 const HIGHEST: f64 = 10.0;
-/// Angle by which a pose may lie beyond a joint limit and be taken as on it, rad.
-const SLACK: f64 = 1e-6;
+/// Angle by which a pose may lie beyond a joint limit and be taken as on it: what rounding to a tenth of a degree
+/// on three axes makes of an angle, rad.
+const SLACK: f64 = 0.0026;
 
 /// Reads the key poses of a puppet.
 ///

@@ -9,6 +9,7 @@
 //! key poses   ─┘         └─→ guess, a first pose for a moment
 //! ```
 
+pub mod compare;
 pub mod key_pose_file;
 pub mod report;
 
@@ -17,7 +18,7 @@ use std::sync::Arc;
 
 use motion::Clip;
 use motion::format::bvh::ImportOptions;
-use retarget::{Options, Performer, Puppet, RetargetError, Retargeted};
+use retarget::{Mapping, Options, Performer, Puppet, RetargetError, Retargeted};
 
 use crate::character_file::{self, CharacterFile};
 use crate::{SceneError, Stage, StageError, stage};
@@ -40,7 +41,7 @@ pub enum RetargetingError {
         /// The file it is about.
         path: String,
         /// What is wrong.
-        source: RetargetError,
+        source: Box<RetargetError>,
     },
     /// No key poses were named, and none lie where they are looked for.
     #[error("no key poses for `{character}`: {} does not exist\n  help: name a file of key poses with --keyposes FILE.ron", .looked.display())]
@@ -86,8 +87,9 @@ impl Performance {
     /// Anything wrong with the file; a body that is not human.
     pub fn open(path: &Path, import: &ImportOptions) -> Result<Self, RetargetingError> {
         let stage = stage::open(path, None, import)?;
-        let performer = Performer::new(stage.character.as_ref().clone())
-            .map_err(|source| RetargetingError::Retarget { path: path.display().to_string(), source })?;
+        let performer = Performer::new(stage.character.as_ref().clone()).map_err(|source| {
+            RetargetingError::Retarget { path: path.display().to_string(), source: Box::new(source) }
+        })?;
         Ok(Self {
             name: stage.name,
             clip: stage.kinematic,
@@ -143,8 +145,9 @@ impl Actor {
     /// Anything wrong with the file; no contact point with a human counterpart.
     pub fn open(path: &Path) -> Result<Self, RetargetingError> {
         let file = character_file::read_file(path)?;
-        let puppet = Puppet::new(file.character.clone(), file.follows.clone())
-            .map_err(|source| RetargetingError::Retarget { path: path.display().to_string(), source })?;
+        let puppet = Puppet::new(file.character.clone(), file.follows.clone()).map_err(|source| {
+            RetargetingError::Retarget { path: path.display().to_string(), source: Box::new(source) }
+        })?;
         Ok(Self { file, puppet, path: path.into() })
     }
 
@@ -155,9 +158,6 @@ impl Actor {
         folder.join("../keyposes").join(name)
     }
 }
-
-/// Least time between two suggested key poses, s.
-pub const APART_S: f64 = 0.5;
 
 /// A performance, the character that gets it, and the key poses between them.
 #[derive(Clone, Debug)]
@@ -197,32 +197,54 @@ impl Session {
         Ok(Self { performance, actor, key_poses })
     }
 
-    /// Runs the pipeline.
+    /// Learns the mapping.
+    ///
+    /// # Errors
+    /// A model that cannot be learned from these pairs, with their file.
+    pub fn learn(&self, options: &Options) -> Result<Mapping, RetargetingError> {
+        let pairs = &self.key_poses.key_poses;
+        Mapping::learn(&self.actor.puppet, pairs, options.model, options.latent).map_err(|source| {
+            RetargetingError::Retarget {
+                path: self.key_poses.path.display().to_string(),
+                source: Box::new(source),
+            }
+        })
+    }
+
+    /// Runs the pipeline with a mapping learned from the same key poses.
     ///
     /// # Errors
     /// [`RetargetError`], with the performance's name.
-    pub fn run(&self, options: &Options) -> Result<Retargeted, RetargetingError> {
+    pub fn run(&self, mapping: &Mapping, options: &Options) -> Result<Retargeted, RetargetingError> {
         let Performance { clip, performer, .. } = &self.performance;
         let options =
             Options { ground_m: options.ground_m.or(Some(self.performance.ground_m)), ..options.clone() };
-        retarget::run(clip, performer, &self.actor.puppet, &self.key_poses.key_poses, &options)
-            .map_err(|source| RetargetingError::Retarget { path: self.performance.name.clone(), source })
+        retarget::run_with(mapping, clip, performer, &self.actor.puppet, &options)
+            .map_err(|source| self.fault(source))
     }
 
-    /// Moments of the motion whose poses the model is least sure of: the least sure first, each at least
-    /// [`APART_S`] from those before it.
-    pub fn suggest(&self, done: &Retargeted, count: usize) -> Vec<report::Suggestion> {
-        let (confidence, rate) = (&done.mapping.confidence, done.clip.rate_hz);
-        let mut order: Vec<usize> = (0..confidence.len()).collect();
-        order.sort_by(|&a, &b| confidence[a].total_cmp(&confidence[b]));
-        let mut found: Vec<report::Suggestion> = Vec::new();
-        for frame in order {
-            let at_s = frame as f64 / rate;
-            if found.len() < count && found.iter().all(|s| (s.at_s - at_s).abs() >= APART_S) {
-                found.push(report::Suggestion { at_s, confidence: confidence[frame] });
-            }
-        }
-        found
+    /// Up to `count` moments of the motion whose poses the model would learn most from, the most wanted first.
+    ///
+    /// # Errors
+    /// As [`Mapping::suggest`].
+    pub fn suggest(
+        &self,
+        mapping: &Mapping,
+        done: &Retargeted,
+        count: usize,
+    ) -> Result<Vec<report::Suggestion>, RetargetingError> {
+        let frames = mapping
+            .suggest(&self.performance.performer, &done.human, count)
+            .map_err(|source| self.fault(source))?;
+        let suggestion = |frame: usize| report::Suggestion {
+            at_s: frame as f64 / done.clip.rate_hz,
+            confidence: done.mapping.confidence[frame],
+        };
+        Ok(frames.into_iter().map(suggestion).collect())
+    }
+
+    pub(crate) fn fault(&self, source: RetargetError) -> RetargetingError {
+        RetargetingError::Retarget { path: self.performance.name.clone(), source: Box::new(source) }
     }
 
     /// The result as a stage: it can be drawn, written and performed as any clip.
@@ -244,7 +266,8 @@ impl Session {
 /// A moment that the performance does not have; no eyes to look with.
 pub fn guess(performance: &Performance, actor: &Actor, at_s: f64) -> Result<String, RetargetingError> {
     let frame = performance.frame(at_s)?;
-    let fault = |source| RetargetingError::Retarget { path: performance.name.clone(), source };
+    let fault =
+        |source| RetargetingError::Retarget { path: performance.name.clone(), source: Box::new(source) };
     let skeleton = &performance.performer.character.skeleton;
     let mut human = performance.clip.pose(frame).to_vec();
     human[skeleton.q_at(0) + 1] -= performance.ground_m;

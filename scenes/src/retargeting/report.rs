@@ -9,6 +9,7 @@ use retarget::{MappingModel, Retargeted, Stage};
 use serde::Serialize;
 
 use super::Session;
+use super::compare::ModelRow;
 
 /// All numbers of a run.
 #[derive(Clone, Debug, Serialize)]
@@ -43,6 +44,9 @@ pub struct RetargetReport {
     /// Moments whose poses the model is least sure of, to be made next; in the order of their worth.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub suggested: Vec<Suggestion>,
+    /// The five models side by side, if that was asked for.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub models: Vec<ModelRow>,
     /// Files written, by what they hold; paths relative to the report.
     pub files: BTreeMap<String, String>,
 }
@@ -145,17 +149,6 @@ pub struct Suggestion {
     pub confidence: f64,
 }
 
-/// The name of a model on the command line and in reports.
-pub fn model_name(model: MappingModel) -> &'static str {
-    match model {
-        MappingModel::Gplvm => "gplvm",
-        MappingModel::Gp => "gp",
-        MappingModel::Pca => "pca",
-        MappingModel::Nn3 => "nn3",
-        MappingModel::Nn10 => "nn10",
-    }
-}
-
 /// The name of a stage on the command line and in reports.
 pub fn stage_name(stage: Stage) -> &'static str {
     match stage {
@@ -185,7 +178,7 @@ impl RetargetReport {
             performance: session.performance.name.clone(),
             character: session.actor.file.character.name.clone(),
             key_poses: session.key_poses.key_poses.pairs.len(),
-            model: model_name(model),
+            model: model.name(),
             stopped_after: stage_name(stopped),
             frames: clip.frames(),
             rate_hz: clip.rate_hz,
@@ -220,6 +213,7 @@ impl RetargetReport {
                 iterations: r.iterations,
             }),
             suggested,
+            models: Vec::new(),
             files: BTreeMap::new(),
         }
     }
