@@ -102,6 +102,7 @@ fn options(stage: &Stage) -> StripOptions {
         yaw_deg: strip.yaw_deg,
         // the strip's floor is level
         ground_m: stage.physics.ground.filter(|g| g.up.y == 1.0).map(|g| g.height_m),
+        colors: stage.colors.clone(),
         ..StripOptions::default()
     }
 }

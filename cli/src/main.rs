@@ -18,6 +18,8 @@
 //! | [`push`] | how hard a standing body can be pushed |
 //! | [`tune`], [`tune_args`], [`tune_page`] | tension and balance chosen by a search |
 //! | [`sweep`] | the same over a grid, in parts |
+//! | [`mod@retarget`] | a human motion on a character |
+//! | [`retarget_figures`] | which figures that gets |
 //! | [`convert`] | one format to another |
 //! | [`output`] | all files or none |
 //! | [`progress`] | the bar |
@@ -38,6 +40,8 @@ mod plot;
 mod progress;
 mod push;
 mod render;
+mod retarget;
+mod retarget_figures;
 mod summary;
 mod sweep;
 mod tune;
@@ -59,6 +63,7 @@ fn main() -> ExitCode {
         Command::Crosscheck(args) => crosscheck::run(&args),
         Command::Push(args) => push::run(&args),
         Command::Tune(args) => tune::run(&args),
+        Command::Retarget(args) => retarget::run(&args),
         Command::Convert(args) => convert::run(&args),
     };
     match done {

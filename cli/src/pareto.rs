@@ -26,7 +26,8 @@ pub fn run(args: &RenderArgs, fidelities: &[f64]) -> Result<(), Failure> {
     let mut progress = Progress::new();
     progress.part("staging");
     // not pinned: a clip that stands is staged on planted feet
-    let overrides = scenes::Overrides { root: Some(RootChoice::Free), ..args.overrides() };
+    let overrides =
+        scenes::Overrides { root: Some(RootChoice::Free), ..args.overrides().map_err(Failure::input)? };
     let stage = scenes::open_with(&args.input, args.body.as_deref(), &args.clip.import(), &overrides)
         .map_err(Failure::input)?;
     let stage = if args.no_edits { stage.without_edits() } else { stage };

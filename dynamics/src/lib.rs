@@ -11,6 +11,7 @@
 //! | [`carried`] | masses a character carries |
 //! | [`character`] | mass, inertia, shapes and contact points on a skeleton |
 //! | [`fall`] | whether and why a body fell |
+//! | [`density`] | mass and inertia of solids of even density |
 //! | [`mjcf`] | a character as MJCF |
 //! | [`mujoco_layout`] | between our vectors and MuJoCo's |
 //! | [`model`] | a character compiled for dynamics, and its world-frame state |
@@ -34,6 +35,7 @@ pub mod anthropometry;
 pub mod carried;
 pub mod character;
 pub mod crba;
+pub mod density;
 pub mod derivatives;
 pub mod fall;
 pub mod forward;

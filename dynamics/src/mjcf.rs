@@ -14,6 +14,7 @@
 //!   ctrl × (θ_L − θ) and ctrl × (θ_H − θ), and a third with force −ctrl × θ̇: the controls are k_L, k_H, k_d.
 //!   MuJoCo's actuators of balls follow another law, K (φ* − φ) on rotation-vector components, so balls get
 //!   none.
+//! - A cone is a mesh of its two rims (MuJoCo takes the hull); a cylinder where its radii are equal.
 //! - A pose `q` has the file's joint numbers up to their order; velocities of balls and of a free root's
 //!   rotation are along the moving body in MuJoCo: see [`crate::mujoco_layout`].
 
@@ -130,6 +131,7 @@ impl Writer<'_> {
             &format!("<geom contype=\"2\" conaffinity=\"1\" condim=\"3\" friction=\"{f} 0 0\" mass=\"0\"/>"),
         );
         self.line(1, "</default>");
+        self.meshes();
         self.line(1, "<worldbody>");
         if let Some(ground) = self.options.ground {
             let at = numbers(&[0.0, ground.height_m, 0.0]);
@@ -152,6 +154,26 @@ impl Writer<'_> {
         self.actuators();
         self.line(0, "</mujoco>");
         Ok(())
+    }
+
+    /// Cones that are no cylinders, under the names of their geoms.
+    fn meshes(&mut self) {
+        let character = self.character;
+        let mut lines = Vec::new();
+        for (body, link) in character.bodies.iter().zip(character.skeleton.links()) {
+            for (k, shape) in body.shapes.iter().enumerate() {
+                if matches!(shape, Shape::Cone { radius_a, radius_b, .. } if radius_a != radius_b) {
+                    let corners: Vec<f64> = shape.rims().iter().flat_map(|p| [p.x, p.y, p.z]).collect();
+                    let name = escape(&link.name);
+                    lines.push(format!("<mesh name=\"{name}_{k}\" vertex=\"{}\"/>", numbers(&corners)));
+                }
+            }
+        }
+        if !lines.is_empty() {
+            self.line(1, "<asset>");
+            lines.iter().for_each(|l| self.line(2, l));
+            self.line(1, "</asset>");
+        }
     }
 
     fn chain(&self, first: usize) -> Result<Chain, MjcfError> {
@@ -276,6 +298,11 @@ impl Writer<'_> {
                 let place = Transform::from_parts((*center).into(), *rotation);
                 format!("type=\"box\" size=\"{}\"{}", numbers(half.as_slice()), placement(&place))
             }
+            Shape::Cone { a, b, radius_a, radius_b } if radius_a == radius_b => {
+                let ends = numbers(&[a.x, a.y, a.z, b.x, b.y, b.z]);
+                format!("type=\"cylinder\" fromto=\"{ends}\" size=\"{}\"", number(*radius_a))
+            }
+            Shape::Cone { .. } => format!("type=\"mesh\" mesh=\"{name}\""),
         };
         self.line(depth, &format!("<geom name=\"{name}\" {text}/>"));
     }

@@ -147,6 +147,7 @@ fn shapes_and_sites_are_in_the_links_frames() {
         let centre = match shape {
             Capsule { a, b, .. } => (a + b) / 2.0,
             Box { center, .. } | Sphere { center, .. } => *center,
+            motion::Shape::Cone { .. } => panic!("the file has no cones"),
         };
         assert!((centre - body.com).norm() < 1e-15);
         seen += 1;

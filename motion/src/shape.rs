@@ -2,7 +2,7 @@
 //!
 //! In a link's frame, metres. Volume and surface only; mass is a character's business.
 
-use crate::rotation::{Quat, Vec3};
+use crate::rotation::{Quat, Vec3, between};
 
 /// A convex solid fixed to a link.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -32,4 +32,35 @@ pub enum Shape {
         /// Radius, m.
         radius: f64,
     },
+    /// A cone cut off flat at both ends; a cylinder where the radii are equal.
+    Cone {
+        /// Middle of one end, m.
+        a: Vec3,
+        /// Middle of the other end, m; not `a`.
+        b: Vec3,
+        /// Radius of the end at `a`, m, > 0.
+        radius_a: f64,
+        /// Radius of the end at `b`, m, > 0.
+        radius_b: f64,
+    },
+}
+
+/// Points on each rim where a cone is taken for a polyhedron.
+const RIM: usize = 24;
+
+impl Shape {
+    /// Corners of the polyhedron that stands for a cone in drawings and engines: 24 evenly on the rim about
+    /// `a`, then 24 on the rim about `b`, in the link's frame, m. The rims go round the axis from `a` to
+    /// `b` by the right hand. Empty for other shapes.
+    pub fn rims(&self) -> Vec<Vec3> {
+        let Self::Cone { a, b, radius_a, radius_b } = *self else { return Vec::new() };
+        let turn = between(&Vec3::y(), &(b - a));
+        let rim = |center: Vec3, radius: f64| {
+            (0..RIM).map(move |i| {
+                let (s, c) = (std::f64::consts::TAU * i as f64 / RIM as f64).sin_cos();
+                center + turn * Vec3::new(s, 0.0, c) * radius
+            })
+        };
+        rim(a, radius_a).chain(rim(b, radius_b)).collect()
+    }
 }

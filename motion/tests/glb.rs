@@ -180,6 +180,12 @@ fn skinned_vertices_follow_their_links() {
                     let along = ((local.coords - a).dot(&(b - a)) / (b - a).norm_squared()).clamp(0.0, 1.0);
                     (local.coords - a - (b - a) * along).norm() - radius
                 }
+                // vertices lie on the two flat ends
+                Shape::Cone { a, b, .. } => {
+                    let axis = (b - a).normalize();
+                    let along = (local.coords - a).dot(&axis);
+                    along.abs().min((along - (b - a).norm()).abs())
+                }
                 Shape::Box { center, half, rotation } => {
                     (rotation.inverse() * (local.coords - center)).abs().component_div(&half).max() - 1.0
                 }

@@ -21,6 +21,8 @@
 //! | [`polar`] | push-recovery maps: impulse survived per direction, against the limit |
 //! | [`tuning`] | what a search did: costs, slices, before and after |
 //! | [`trade`] | tracking error against root wrench, per fidelity |
+//! | [`retargeted`] | latent paths, momentum and force matched, confidence, tables |
+//! | [`stages`] | film strip with a column for every stage of a motion on its way to another body |
 //! | [`excerpt`] | a span of a trace, chosen joints |
 //! | [`camera`], [`solid`] | who looks at them, and how shapes become polygons |
 //! | [`panel`] | axes, curves, legends, pages of small multiples |
@@ -44,7 +46,9 @@ pub mod overlay;
 pub mod panel;
 pub mod polar;
 pub mod residual;
+pub mod retargeted;
 pub mod solid;
+pub mod stages;
 pub mod strip;
 pub mod style;
 pub mod torque;
@@ -64,6 +68,10 @@ pub use momentum::momenta;
 pub use overlay::{Witness, WitnessKind, contact_overlay};
 pub use polar::{Spoke, push_map, push_map_over};
 pub use residual::momentum_residual;
+pub use retargeted::{
+    Confidence, LatentPath, Table, confidence_strip, force_match, latent_paths, momentum_match, table,
+};
+pub use stages::{PosePair, StageColumn, pose_sheet, stage_strip};
 pub use strip::{StripOptions, StripRow, film_strip, film_strip_with};
 pub use torque::joint_torques;
 pub use trade::{TradePoint, trade_off};

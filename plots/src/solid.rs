@@ -45,6 +45,7 @@ pub fn solid(shape: &Shape, world_from_link: &Transform, camera: &Camera, tint: 
         }
         Shape::Sphere { center, radius } => round(&[place(world_from_link, &center)], radius, camera, tint),
         Shape::Box { .. } => cuboid(shape, world_from_link, camera, tint),
+        Shape::Cone { .. } => cone(shape, world_from_link, camera, tint),
     }
 }
 
@@ -85,6 +86,7 @@ pub fn hull_points(shape: &Shape, world_from_link: &Transform) -> Vec<Vec3> {
                 out.push(place(world_from_link, &(center + rotation * corner)));
             }
         }
+        Shape::Cone { .. } => out.extend(shape.rims().iter().map(|p| place(world_from_link, p))),
     }
     out
 }
@@ -133,10 +135,45 @@ fn round(centers: &[Vec3], radius: f64, camera: &Camera, tint: Color) -> Solid {
     Solid { outline: disc(radius, Vec2::zeros()), facets, round: true, near }
 }
 
+/// The side in flat strips and the end that faces the viewer.
+fn cone(shape: &Shape, world_from_link: &Transform, camera: &Camera, tint: Color) -> Solid {
+    let corners: Vec<Vec3> = hull_points(shape, world_from_link).iter().map(|p| camera.see(p)).collect();
+    let near = corners.iter().map(|c| c.z).sum::<f64>() / corners.len() as f64;
+    let count = corners.len() / 2;
+    let (a, b) = corners.split_at(count);
+    let middle = |rim: &[Vec3]| rim.iter().sum::<Vec3>() / count as f64;
+    let axis = middle(b) - middle(a);
+    let mut facets = Vec::new();
+    let mut face = |points: Vec<Vec3>, normal: Vec3| {
+        if normal.z > 0.0 {
+            facets.push(Facet { points: points.iter().map(flat).collect(), color: lit(&normal, tint) });
+        }
+    };
+    for k in 0..count {
+        let next = (k + 1) % count;
+        // the longer rim edge: the other may shrink to a point
+        let edge =
+            if (a[next] - a[k]).norm() > (b[next] - b[k]).norm() { a[next] - a[k] } else { b[next] - b[k] };
+        face(vec![a[k], a[next], b[next], b[k]], edge.cross(&(b[k] - a[k])));
+    }
+    face(a.to_vec(), -axis);
+    face(b.to_vec(), axis);
+    let outline = Support::of_plane(corners.iter().map(flat).collect()).corners().to_vec();
+    Solid { outline, facets, round: false, near }
+}
+
+/// The colour of a flat face with this outward normal, in picture coordinates.
+fn lit(normal: &Vec3, tint: Color) -> Color {
+    let bright = normal.normalize().dot(&Vec3::new(-0.45, 0.75, 0.5).normalize());
+    match bright > 0.5 {
+        true => tint.mix(WHITE, 0.4 * (bright - 0.5)),
+        false => tint.mix(INK, 0.4 * (0.5 - bright)),
+    }
+}
+
 fn cuboid(shape: &Shape, world_from_link: &Transform, camera: &Camera, tint: Color) -> Solid {
     let corners: Vec<Vec3> = hull_points(shape, world_from_link).iter().map(|p| camera.see(p)).collect();
     let near = corners.iter().map(|c| c.z).sum::<f64>() / 8.0;
-    let light = Vec3::new(-0.45, 0.75, 0.5).normalize();
     let mut facets = Vec::new();
     for axis in 0..3 {
         for side in 0..2 {
@@ -151,13 +188,7 @@ fn cuboid(shape: &Shape, world_from_link: &Transform, camera: &Camera, tint: Col
             if normal.z <= 0.0 {
                 continue;
             }
-            let bright = normal.normalize().dot(&light);
-            let color = if bright > 0.5 {
-                tint.mix(WHITE, 0.4 * (bright - 0.5))
-            } else {
-                tint.mix(INK, 0.4 * (0.5 - bright))
-            };
-            facets.push(Facet { points: face.iter().map(flat).collect(), color });
+            facets.push(Facet { points: face.iter().map(flat).collect(), color: lit(&normal, tint) });
         }
     }
     let outline = Support::of_plane(corners.iter().map(flat).collect()).corners().to_vec();
@@ -197,6 +228,12 @@ mod tests {
                 center: Vec3::new(0.05, -0.1, 0.0),
                 half: Vec3::new(0.05, 0.03, 0.13),
                 rotation: exp(&Vec3::new(0.3, -0.2, 0.5)),
+            },
+            Shape::Cone {
+                a: Vec3::new(0.1, -0.1, 0.0),
+                b: Vec3::new(0.0, 0.2, 0.1),
+                radius_a: 0.12,
+                radius_b: 0.04,
             },
         ]
     }

@@ -48,6 +48,8 @@ pub struct StripOptions {
     pub ground_m: Option<f64>,
     /// Title; `None` names the rows.
     pub title: Option<String>,
+    /// Red, green and blue per link; links beyond the end or with `None` are tinted by their side.
+    pub colors: Vec<Option<[u8; 3]>>,
 }
 
 impl Default for StripOptions {
@@ -62,6 +64,7 @@ impl Default for StripOptions {
             to_s: None,
             ground_m: None,
             title: None,
+            colors: Vec::new(),
         }
     }
 }
@@ -116,7 +119,7 @@ pub fn film_strip_with(
 }
 
 /// One figure: groups of solids back to front and shadows, m, about the figure's own origin on the floor.
-struct Frame {
+pub(crate) struct Frame {
     groups: Vec<Group>,
     shadows: Vec<Vec<Vec2>>,
 }
@@ -128,11 +131,11 @@ struct Group {
     near: f64,
 }
 
-struct Scene {
-    times: Vec<f64>,
-    rows: Vec<Vec<Frame>>,
+pub(crate) struct Scene {
+    pub(crate) times: Vec<f64>,
+    pub(crate) rows: Vec<Vec<Frame>>,
     /// Left, right, lowest and highest point of all figures and shadows, m.
-    extent: [f64; 4],
+    pub(crate) extent: [f64; 4],
 }
 
 impl Scene {
@@ -157,29 +160,51 @@ impl Scene {
         let start = poses.first().and_then(|r| r.first()).map_or(Vec3::zeros(), |k| k.origin(0));
         let level = |p: Vec3| Vec3::new(p.x, ground, p.z);
         let travels = all().any(|k| (level(k.origin(0)) - level(start)).norm() > FOLLOW);
-        let tints = tints(character);
-        let groups = groups(character, &tints);
         let frame = |k: &Kinematics| {
             let origin = level(if travels { k.origin(0) } else { start });
-            let mut frame = draw(k, character, &camera, ground, &tints, &groups);
+            let mut frame = painted(k, character, &camera, ground, options);
             frame.shift(&camera.see(&origin));
             frame
         };
         let rows: Vec<Vec<Frame>> = poses.iter().map(|r| r.iter().map(frame).collect()).collect();
 
+        let mut scene = Self { times, rows, extent: [0.0; 4] };
+        scene.measure();
+        scene
+    }
+
+    /// Sets the extent.
+    pub(crate) fn measure(&mut self) {
         let mut extent = [0.0f64; 4];
-        for frame in rows.iter().flatten() {
+        for frame in self.rows.iter().flatten() {
             let solids = frame.groups.iter().flat_map(|g| &g.solids);
             let outlines = solids.map(|s| &s.outline).chain(&frame.shadows);
             for p in outlines.flatten() {
                 extent = [extent[0].min(p.x), extent[1].max(p.x), extent[2].min(p.y), extent[3].max(p.y)];
             }
         }
-        Self { times, rows, extent }
+        self.extent = extent;
     }
 }
 
-fn posed(clip: &Clip, t: f64) -> Kinematics {
+/// One figure in the colours of the character, or else tinted by side.
+pub(crate) fn painted(
+    k: &Kinematics,
+    character: &Character,
+    camera: &Camera,
+    ground: f64,
+    options: &StripOptions,
+) -> Frame {
+    let mut tints = tints(character);
+    for (tint, color) in tints.iter_mut().zip(&options.colors) {
+        if let Some([red, green, blue]) = *color {
+            *tint = Color(red, green, blue);
+        }
+    }
+    draw(k, character, camera, ground, &tints, &groups(character, &tints))
+}
+
+pub(crate) fn posed(clip: &Clip, t: f64) -> Kinematics {
     let mut q = vec![0.0; clip.skeleton.nq()];
     clip.sample(t, &mut q);
     Kinematics::new(&clip.skeleton, &q)
@@ -281,18 +306,32 @@ fn draw(
 }
 
 impl Frame {
-    fn shift(&mut self, origin: &Vec3) {
+    pub(crate) fn shift(&mut self, origin: &Vec3) {
         let origin = Vec2::new(origin.x, origin.y);
+        self.each(|p| *p -= origin);
+    }
+
+    pub(crate) fn scale(&mut self, by: f64) {
+        self.each(|p| *p *= by);
+    }
+
+    /// Both figures, `other` in front.
+    pub(crate) fn join(&mut self, other: Self) {
+        self.groups.extend(other.groups);
+        self.shadows.extend(other.shadows);
+    }
+
+    fn each(&mut self, change: impl Fn(&mut Vec2)) {
         for s in self.groups.iter_mut().flat_map(|g| &mut g.solids) {
             let points = s.outline.iter_mut().chain(s.facets.iter_mut().flat_map(|f| &mut f.points));
-            points.for_each(|p| *p -= origin);
+            points.for_each(&change);
         }
-        self.shadows.iter_mut().flatten().for_each(|p| *p -= origin);
+        self.shadows.iter_mut().flatten().for_each(change);
     }
 }
 
 /// Metres to the page.
-struct Layout {
+pub(crate) struct Layout {
     scale: f64,
     slot: f64,
     /// What lies left of a slot's middle when its figure is centred, m.
@@ -312,7 +351,7 @@ const TIMES: f64 = LABEL + 20.0;
 const CONTOUR: f64 = 1.6;
 
 impl Layout {
-    fn new(scene: &Scene, options: &StripOptions, top: f64) -> Self {
+    pub(crate) fn new(scene: &Scene, options: &StripOptions, top: f64) -> Self {
         let [left, right, low, high] = scene.extent;
         let width = options.width - 2.0 * MARGIN;
         let slot = (width - 24.0) / options.count.max(1) as f64;
@@ -334,17 +373,22 @@ impl Layout {
         self.over + self.under + TIMES
     }
 
-    fn page_height(&self, rows: usize) -> f64 {
+    pub(crate) fn page_height(&self, rows: usize) -> f64 {
         self.top + rows as f64 * (self.row_height() + ROW_GAP) - ROW_GAP + MARGIN
     }
 
     /// Page height of a row's floor origin, and of the row's top.
-    fn row(&self, row: usize) -> (f64, f64) {
+    pub(crate) fn row(&self, row: usize) -> (f64, f64) {
         let top = self.top + row as f64 * (self.row_height() + ROW_GAP);
         (top + self.over, top)
     }
 
-    fn slot_middle(&self, i: usize) -> f64 {
+    /// Height of the strip of floor under the origin, px.
+    pub(crate) fn below(&self) -> f64 {
+        self.under
+    }
+
+    pub(crate) fn slot_middle(&self, i: usize) -> f64 {
         MARGIN + 12.0 + (i as f64 + 0.5) * self.slot
     }
 
@@ -353,7 +397,7 @@ impl Layout {
         points.iter().map(|p| [x + (p.x - self.center) * self.scale, y - p.y * self.scale]).collect()
     }
 
-    fn floor(&self, figure: &mut Figure, row: usize) {
+    pub(crate) fn floor(&self, figure: &mut Figure, row: usize) {
         let (floor, top) = self.row(row);
         let horizon = floor - (self.under * 0.9).max(12.0);
         let bottom = floor + self.under;
@@ -362,7 +406,7 @@ impl Layout {
         figure.line(vec![[MARGIN, horizon], [MARGIN + self.width, horizon]], SHADE, style::THIN);
     }
 
-    fn shadows(&self, figure: &mut Figure, row: usize, slot: usize, frame: &Frame) {
+    pub(crate) fn shadows(&self, figure: &mut Figure, row: usize, slot: usize, frame: &Frame) {
         for s in &frame.shadows {
             figure.fill(self.page(row, slot, s), SHADE);
         }
@@ -370,7 +414,7 @@ impl Layout {
 
     /// Group by group, back to front: first the contour of all solids, then their fills band by band,
     /// so that neither contours nor dark edges show inside a group.
-    fn body(&self, figure: &mut Figure, row: usize, slot: usize, frame: &Frame) {
+    pub(crate) fn body(&self, figure: &mut Figure, row: usize, slot: usize, frame: &Frame) {
         for group in &frame.groups {
             let contour = group.tint.mix(INK, 0.72);
             for s in &group.solids {

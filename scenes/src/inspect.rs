@@ -258,6 +258,10 @@ pub fn body(c: &Character) -> BodyInspection {
                 let reach: f64 = (0..3).map(|i| (turn[(1, i)] * half[i]).abs()).sum();
                 (at(center) - reach, at(center) + reach)
             }
+            Shape::Cone { .. } => {
+                let heights = || s.rims().into_iter().map(|p| at(&p));
+                (heights().fold(f64::INFINITY, f64::min), heights().fold(f64::NEG_INFINITY, f64::max))
+            }
         }
     });
     let mut out = skeleton(&c.name, &c.skeleton, &c.rest);

@@ -11,6 +11,7 @@
 //! | [`stage`] | a scene or a clip, ready to be performed |
 //! | [`disturbance_report`] | disturbances and falls, as reports give them |
 //! | [`export`] | a body as MJCF |
+//! | [`footwork`] | planted feet that step, and jumps |
 //! | [`inspect`] | what is in a file |
 //! | [`overrides`] | numbers of the dynamic pass given beside the file |
 //! | [`patch`] | parameters of tension and balance in a file of their own |
@@ -20,6 +21,7 @@
 //! | [`overrides`] | numbers of the dynamic pass given beside the file |
 //! | [`pareto`] | the trade between fidelity and help from outside |
 //! | [`push`] | the push-recovery map of a standing body |
+//! | [`retargeting`] | human motion put on a character |
 //! | [`report`] | the numbers of a run |
 //! | [`tune`] | parameters chosen by a search over a cost |
 //! | [`study`] | a trace, clip or scene to be analysed and drawn |
@@ -35,6 +37,7 @@ pub mod disturbance_report;
 mod disturbances;
 pub mod error;
 pub mod export;
+pub mod footwork;
 pub mod inspect;
 pub mod overrides;
 pub mod pareto;
@@ -42,6 +45,7 @@ pub mod patch;
 pub mod push;
 pub mod reactive;
 pub mod report;
+pub mod retargeting;
 pub mod scene;
 pub mod schema;
 pub mod source_map;
@@ -60,6 +64,7 @@ pub use inspect::character_in;
 pub use overrides::Overrides;
 pub use patch::Patch;
 pub use report::Report;
+pub use retarget;
 pub use scene::Scene;
 pub use sim::Outcome;
 pub use stage::{Stage, StageError, open, open_with};

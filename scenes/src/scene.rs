@@ -4,7 +4,7 @@
 //! [`crate::schema`].
 
 use std::collections::BTreeMap;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use controllers::{BalanceSettings, GainBlend, Gaze, Strategy};
@@ -15,9 +15,11 @@ use edits::{
 };
 use motion::script::{Action, Cycle, Insert, Pose, PoseValue, Properties, Script};
 use motion::{Curve, Dof, Joint, LimbKind, Value, Vec3};
+use retarget::MappingModel;
 use sim::{Ground, Push};
 
 use crate::angle::quat_from_deg;
+use crate::footwork::{Footwork, Jump, Step};
 use crate::overrides::{RATES, SUBSTEPS, TENSIONS, set_fidelity};
 use crate::schema::*;
 use crate::tune::TuneSpec;
@@ -66,12 +68,16 @@ pub struct Scene {
     pub rate_hz: f64,
     /// The script.
     pub script: Script,
+    /// A human motion put on the character instead of the script.
+    pub motion: Option<SceneMotion>,
     /// Edits in order.
     pub edits: Vec<SceneEdit>,
     /// Still time after the last element, s.
     pub settle_s: f64,
     /// Indices of the limbs whose ends stay planted.
     pub planted: Vec<usize>,
+    /// Steps and jumps of those limbs.
+    pub footwork: Footwork,
     /// Numbers of the dynamic pass.
     pub physics: Physics,
     /// Pushes from outside.
@@ -82,8 +88,23 @@ pub struct Scene {
     pub carried: Vec<Carrying>,
     /// How film strips are drawn.
     pub strip: StripRon,
+    /// Colour of each link, where the character's file has one.
+    pub colors: Vec<Option<[u8; 3]>>,
     /// How it is tuned.
     pub tune: TuneSpec,
+}
+
+/// A human motion to be put on the character of a scene.
+#[derive(Clone, Debug)]
+pub struct SceneMotion {
+    /// The performance or clip.
+    pub of: PathBuf,
+    /// The character's file.
+    pub to: PathBuf,
+    /// The key poses; `None` takes those beside the character.
+    pub key_poses: Option<PathBuf>,
+    /// How it is done.
+    pub options: retarget::Options,
 }
 
 /// Reads a scene and its character.
@@ -107,7 +128,8 @@ pub fn parse(source: Source, name: String) -> Result<Scene, SceneError> {
         let message = format!("the character file `{}` does not exist", beside.display());
         return Err(source.error("character", message).with_help("the path is relative to the scene file"));
     }
-    let character = Arc::new(character_file::read(&beside)?);
+    let read = character_file::read_file(&beside)?;
+    let (character, colors) = (Arc::new(read.character), read.colors);
     let check = Check { source: &source, character: &character };
     let mut physics = check.physics(&ron)?;
     if let Some(file) = &ron.patch {
@@ -122,9 +144,11 @@ pub fn parse(source: Source, name: String) -> Result<Scene, SceneError> {
     let tune = TuneSpec::read(ron.tune.as_ref(), scripted, &source)?;
     let (script, edits) = (check.script(&ron)?, check.edits(&ron.edits)?);
     let planted = check.planted(ron.planted.as_deref())?;
+    let footwork = check.footwork(&ron.footwork, &planted, &physics)?;
     let pushes = check.pushes(&ron.pushes)?;
     let carried = check.carried(&ron.carried)?;
     let gazes = check.gazes(&ron.reactive)?;
+    let motion = check.motion(&ron, &beside)?;
     let rate_hz = check.within("rate_hz", ron.rate_hz, 1.0, 1000.0, "Hz")?;
     let settle_s = check.within("settle_s", ron.settle_s, 0.0, 3600.0, "s")?;
     if ron.strip.figures < 2 || ron.strip.figures > 40 {
@@ -134,15 +158,18 @@ pub fn parse(source: Source, name: String) -> Result<Scene, SceneError> {
         name,
         rate_hz,
         script,
+        motion,
         edits,
         settle_s,
         planted,
+        footwork,
         physics,
         pushes,
         carried,
         gazes,
         strip: ron.strip,
         tune,
+        colors,
         character,
         source,
     })
@@ -512,6 +539,105 @@ impl Check<'_> {
                 })
             })
             .collect()
+    }
+
+    fn motion(&self, ron: &SceneRon, character: &Path) -> Result<Option<SceneMotion>, SceneError> {
+        let Some(MotionRon::Retarget { of, keyposes, model, stop_after }) = &ron.motion else {
+            return Ok(None);
+        };
+        for (field, used) in [
+            ("script", !ron.script.is_empty()),
+            ("inserts", !ron.inserts.is_empty()),
+            ("edits", !ron.edits.is_empty()),
+            ("footwork", !ron.footwork.is_empty()),
+        ] {
+            if used {
+                let e = format!("a scene has either a `motion` or a script; `{field}` is of a script");
+                return Err(self.source.error(field, e));
+            }
+        }
+        let folder = self.source.path().parent().unwrap_or(Path::new(""));
+        let of_path = folder.join(of);
+        if !of_path.is_file() {
+            let e = format!("the performance `{}` does not exist", of_path.display());
+            return Err(self
+                .source
+                .error("motion.of", e)
+                .with_help("the path is relative to the scene file"));
+        }
+        Ok(Some(SceneMotion {
+            of: of_path,
+            to: character.to_owned(),
+            key_poses: keyposes.as_ref().map(|k| folder.join(k)),
+            options: retarget::Options {
+                model: match model {
+                    ModelRon::Gplvm => MappingModel::Gplvm,
+                    ModelRon::Gp => MappingModel::Gp,
+                    ModelRon::Pca => MappingModel::Pca,
+                    ModelRon::Nn3 => MappingModel::Nn3,
+                    ModelRon::Nn10 => MappingModel::Nn10,
+                },
+                stop_after: match stop_after {
+                    StopAfterRon::Map => retarget::Stage::Map,
+                    StopAfterRon::Global => retarget::Stage::Global,
+                    StopAfterRon::Contact => retarget::Stage::Contact,
+                    StopAfterRon::Refine => retarget::Stage::Refine,
+                },
+                ..retarget::Options::default()
+            },
+        }))
+    }
+
+    fn footwork(
+        &self,
+        ron: &[FootworkRon],
+        planted: &[usize],
+        physics: &Physics,
+    ) -> Result<Footwork, SceneError> {
+        let mut work = Footwork { gravity: physics.gravity.norm(), ..Footwork::default() };
+        if !ron.is_empty() && physics.root != RootMode::Pinned {
+            let e = "footwork needs `root: Pinned`: a free or assisted root is balanced over feet that stay";
+            return Err(self.source.error("footwork", e));
+        }
+        let names = || planted.iter().map(|&l| self.character.skeleton.limbs()[l].name.as_str());
+        for (i, r) in ron.iter().enumerate() {
+            let place = |field: &str| format!("footwork[{i}].{field}");
+            let time = |field: &str, t: f64, least: f64| self.within(&place(field), t, least, 86_400.0, "s");
+            match r {
+                FootworkRon::Step { limb, start_s, duration_s, to_m, turn_deg, lift_m } => {
+                    let plant = names().position(|n| n == limb).ok_or_else(|| {
+                        self.source.unknown(&place("limb"), "planted limb", limb, " in a step", names())
+                    })?;
+                    let start_s = time("start_s", *start_s, 0.0)?;
+                    let before = work.steps.iter().rev().find(|s: &&Step| s.plant == plant);
+                    if let Some(s) = before.filter(|s| s.start_s + s.duration_s > start_s + 1e-9) {
+                        let e = format!(
+                            "`{limb}` starts a step at {start_s} s, but its last one ends at {:.3} s; steps of one limb follow one another",
+                            s.start_s + s.duration_s
+                        );
+                        return Err(self.source.error(&place("start_s"), e));
+                    }
+                    work.steps.push(Step {
+                        plant,
+                        start_s,
+                        duration_s: time("duration_s", *duration_s, 0.05)?,
+                        to: [
+                            self.within(&place("to_m[0]"), to_m.0, -1e3, 1e3, "m")?,
+                            self.within(&place("to_m[1]"), to_m.1, -1e3, 1e3, "m")?,
+                        ],
+                        turn: self.within(&place("turn_deg"), *turn_deg, -3600.0, 3600.0, "°")?.to_radians(),
+                        lift: self.within(&place("lift_m"), *lift_m, 0.0, 2.0, "m")?,
+                    });
+                }
+                FootworkRon::Jump { start_s, duration_s, point_deg, tuck_m } => work.jumps.push(Jump {
+                    start_s: time("start_s", *start_s, 0.0)?,
+                    duration_s: self.within(&place("duration_s"), *duration_s, 0.05, 10.0, "s")?,
+                    point: self.within(&place("point_deg"), *point_deg, -90.0, 90.0, "°")?.to_radians(),
+                    tuck: self.within(&place("tuck_m"), *tuck_m, 0.0, 2.0, "m")?,
+                }),
+            }
+        }
+        Ok(work)
     }
 }
 

@@ -26,6 +26,8 @@ pub struct SceneRon {
     /// Actions.
     #[serde(default)]
     pub script: Vec<ActionRon>,
+    /// A human motion put on the character, instead of a script.
+    pub motion: Option<MotionRon>,
     /// Single elements beside the actions.
     #[serde(default)]
     pub inserts: Vec<InsertRon>,
@@ -37,6 +39,9 @@ pub struct SceneRon {
     pub settle_s: f64,
     /// Limbs whose ends stay where they are at rest; by default every leg.
     pub planted: Option<Vec<String>>,
+    /// Steps and jumps of the planted limbs.
+    #[serde(default)]
+    pub footwork: Vec<FootworkRon>,
     /// Gravity and ground.
     #[serde(default)]
     pub world: WorldRon,
@@ -193,6 +198,96 @@ pub struct InsertRon {
     /// As in a pose.
     #[serde(default)]
     pub set_m: BTreeMap<String, f64>,
+}
+
+/// Where a motion comes from that is not a script.
+#[derive(Clone, Debug, Deserialize)]
+#[serde(deny_unknown_fields, rename = "motion")]
+pub enum MotionRon {
+    /// A human motion put on the character.
+    Retarget {
+        /// The performance or clip, relative to the scene file.
+        of: String,
+        /// The key poses, relative to the scene file; by default those that lie beside the character.
+        keyposes: Option<String>,
+        /// The model.
+        #[serde(default)]
+        model: ModelRon,
+        /// The last stage.
+        #[serde(default)]
+        stop_after: StopAfterRon,
+    },
+}
+
+/// The statistical model of a mapping.
+#[derive(Clone, Copy, Debug, Default, Deserialize)]
+#[serde(rename = "model")]
+#[expect(missing_docs, reason = "documented in retarget::MappingModel")]
+pub enum ModelRon {
+    #[default]
+    Gplvm,
+    Gp,
+    Pca,
+    Nn3,
+    Nn10,
+}
+
+/// A stage of the retargeting.
+#[derive(Clone, Copy, Debug, Default, Deserialize)]
+#[serde(rename = "stage")]
+#[expect(missing_docs, reason = "documented in retarget::Stage")]
+pub enum StopAfterRon {
+    Map,
+    Global,
+    Contact,
+    #[default]
+    Refine,
+}
+
+/// A step or a jump.
+#[derive(Clone, Debug, Deserialize)]
+#[serde(deny_unknown_fields, rename = "footwork")]
+pub enum FootworkRon {
+    /// One planted limb goes to another place.
+    Step {
+        /// The limb.
+        limb: String,
+        /// When it leaves the ground, s.
+        start_s: f64,
+        /// Time in the air, s.
+        #[serde(default = "step_time")]
+        duration_s: f64,
+        /// Where to, left and front, relative to rest, m.
+        #[serde(default)]
+        to_m: (f64, f64),
+        /// Heading there relative to rest, degrees, positive to the left.
+        #[serde(default)]
+        turn_deg: f64,
+        /// Height of the step, m.
+        #[serde(default = "step_lift")]
+        lift_m: f64,
+    },
+    /// All planted limbs and the root fly.
+    Jump {
+        /// When they leave the ground, s.
+        start_s: f64,
+        /// Time in the air, s; the height follows, `g T²/8`.
+        duration_s: f64,
+        /// How far the toes point down in mid-air, degrees.
+        #[serde(default)]
+        point_deg: f64,
+        /// How far the feet are drawn up in mid-air, m.
+        #[serde(default)]
+        tuck_m: f64,
+    },
+}
+
+fn step_time() -> f64 {
+    0.45
+}
+
+fn step_lift() -> f64 {
+    0.06
 }
 
 /// A parameter of an edit: a number, `[one, for, each, pose]`, `(over_time_s: [(t, x), …])` or

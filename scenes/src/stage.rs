@@ -7,6 +7,7 @@
 //! ```text
 //! scene.ron ─→ tracks ─→ edits ─→ sampled, limits, feet planted, balanced ─→ Stage
 //! human.bvh ─→ clip ─→ body guessed or given ─→ limits, feet planted where it stands → Stage
+//! scene.ron with a motion of a human ─→ retargeting ───────────────────────→ Stage
 //! ```
 
 use std::ops::Range;
@@ -28,7 +29,8 @@ use nalgebra::{Point3, Translation3};
 use sim::{Ground, Pass, PassError, Push};
 
 use crate::overrides::Overrides;
-use crate::scene::{self, Physics, Scene};
+use crate::retargeting::{RetargetingError, Session};
+use crate::scene::{self, Physics, Scene, SceneMotion};
 use crate::schema::StripRon;
 use crate::standing::{FRICTION, stance};
 use crate::tune::TuneSpec;
@@ -163,6 +165,8 @@ pub struct Stage {
     pub strip: StripRon,
     /// How it is tuned.
     pub tune: TuneSpec,
+    /// Colour of each link, where the character's file has one.
+    pub colors: Vec<Option<[u8; 3]>>,
     /// The clip behind it; `None` for a scene.
     pub clip: Option<ClipSource>,
     /// Where the feet of a clip stand and step; `None` for a scene.
@@ -263,6 +267,9 @@ pub fn edited_tracks(scene: &Scene) -> Result<(Tracks, Tracks, EditLog), SceneEr
 /// # Errors
 /// As [`edited_tracks`], and legs that cannot be solved.
 pub fn stage_scene(scene: Scene) -> Result<Stage, SceneError> {
+    if let Some(motion) = &scene.motion {
+        return stage_retargeted(&scene, motion);
+    }
     let (mut plain, mut tracks, log) = edited_tracks(&scene)?;
     let end = tracks.duration_s.max(plain.duration_s) + scene.settle_s;
     let rate_hz = scene.rate_hz.max(scene.physics.rate_hz);
@@ -304,6 +311,7 @@ pub fn stage_scene(scene: Scene) -> Result<Stage, SceneError> {
         gazes: scene.gazes.clone(),
         strip: scene.strip,
         tune: scene.tune.clone(),
+        colors: scene.colors.clone(),
         clip: None,
         stance: None,
         clamped,
@@ -346,6 +354,25 @@ fn onto(ground: &Ground) -> Transform {
     pivot * ground.turn() * pivot.inverse()
 }
 
+/// The stage of a scene whose motion is a human's.
+fn stage_retargeted(scene: &Scene, motion: &SceneMotion) -> Result<Stage, SceneError> {
+    let fault = |e: RetargetingError| match e {
+        RetargetingError::Scene(e) => e, // it has a place of its own
+        e => scene.source.error("motion", e.to_string()),
+    };
+    let import = ImportOptions::default();
+    let session =
+        Session::open(&motion.of, &motion.to, motion.key_poses.as_deref(), &import).map_err(fault)?;
+    let mapping = session.learn(&motion.options).map_err(fault)?;
+    let done = session.run(&mapping, &motion.options).map_err(fault)?;
+    let mut stage = session.stage(&done);
+    stage.name.clone_from(&scene.name);
+    stage.physics = Physics { rate_hz: stage.physics.rate_hz, ..scene.physics };
+    stage.pushes.clone_from(&scene.pushes);
+    stage.strip = scene.strip;
+    Ok(stage)
+}
+
 struct Sampler<'a> {
     scene: &'a Scene,
     plants: &'a [Plant],
@@ -375,7 +402,12 @@ impl Sampler<'_> {
                 continue;
             }
             if self.scene.physics.root == RootMode::Pinned {
-                plant(skeleton, q, self.plants).map_err(ik)?;
+                let (plants, height) = self.scene.footwork.at(f as f64 / self.scene.rate_hz, self.plants);
+                if height > 0.0 {
+                    let root = skeleton.position(q, 0) + Vec3::y() * height;
+                    skeleton.set_position(q, 0, &root);
+                }
+                plant(skeleton, q, &plants).map_err(ik)?;
             } else {
                 let moved = ground(&(skeleton.position(q, 0) - home));
                 posture::settle(&model, &mut state, q, self.plants, stance + moved).map_err(ik)?;
@@ -392,8 +424,13 @@ fn stage_clip(path: &Path, body: Option<&Path>, import: &ImportOptions) -> Resul
     if clip.frames() < 2 {
         return Err(StageError::Short { path: shown, frames: clip.frames() });
     }
+    let mut colors = Vec::new();
     let (character, guess) = match body {
-        Some(file) => (character_file::read(file)?, None),
+        Some(file) => {
+            let read = character_file::read_file(file)?;
+            colors = read.colors;
+            (read.character, None)
+        }
         None => {
             let guessed = guess_body_of_clip(&clip, &BodyOptions::default());
             let (c, r) = guessed.map_err(|source| StageError::Body { path: shown.clone(), source })?;
@@ -411,37 +448,15 @@ fn stage_clip(path: &Path, body: Option<&Path>, import: &ImportOptions) -> Resul
     }
     let name = path.file_stem().map_or_else(|| "clip".into(), |s| s.to_string_lossy().into_owned());
     let floor = floor(&character, &kinematic);
+    let clamped = clamped as f64 / kinematic.frames() as f64;
     let stance = stance(&character, &kinematic);
-    let rate = clip.rate_hz;
-    Ok(Stage {
-        name,
-        unedited: kinematic.clone(),
-        tracks: None,
-        plain: None,
-        log: EditLog::default(),
-        plants: Vec::new(),
-        physics: Physics {
-            // whole control steps per frame, near 240 Hz
-            rate_hz: rate * (240.0 / rate).round().max(1.0),
-            substeps: None,
-            tension: 1.0,
-            blend: controllers::GainBlend::RestAngle,
-            root: RootMode::Pinned,
-            gravity: Vec3::new(0.0, -9.81, 0.0),
-            ground: floor.map(|height_m| Ground::level(height_m, FRICTION)),
-            balance: BalanceSettings::default(),
-        },
-        pushes: Vec::new(),
-        carried: Vec::new(),
-        gazes: Vec::new(),
-        strip: StripRon::default(),
-        tune: TuneSpec { own_run: true, pushes: Vec::new(), ..TuneSpec::default() },
-        clamped: clamped as f64 / kinematic.frames() as f64,
-        kinematic,
-        clip: Some(ClipSource { clip, map, import: report, body: guess }),
-        stance: Some(stance),
-        character,
-    })
+    let mut stage = Stage::of_clip(name, character, kinematic);
+    stage.physics.ground = floor.map(|height_m| Ground::level(height_m, FRICTION));
+    stage.colors = colors;
+    stage.clamped = clamped;
+    stage.clip = Some(ClipSource { clip, map, import: report, body: guess });
+    stage.stance = Some(stance);
+    Ok(stage)
 }
 
 /// Height below which 2 % of the frames' lowest contact points lie, m; `None` without contact points.
@@ -460,6 +475,41 @@ fn floor(character: &Character, clip: &Clip) -> Option<f64> {
 }
 
 impl Stage {
+    /// A stage for a clip of a character, on ground at height 0, with its root pinned.
+    pub fn of_clip(name: String, character: Arc<Character>, kinematic: Clip) -> Self {
+        let rate = kinematic.rate_hz;
+        Self {
+            name,
+            unedited: kinematic.clone(),
+            tracks: None,
+            plain: None,
+            log: EditLog::default(),
+            plants: Vec::new(),
+            physics: Physics {
+                // whole control steps per frame, near 240 Hz
+                rate_hz: rate * (240.0 / rate).round().max(1.0),
+                substeps: None,
+                tension: 1.0,
+                blend: controllers::GainBlend::RestAngle,
+                root: RootMode::Pinned,
+                gravity: Vec3::new(0.0, -9.81, 0.0),
+                ground: Some(Ground::level(0.0, FRICTION)),
+                balance: BalanceSettings::default(),
+            },
+            pushes: Vec::new(),
+            carried: Vec::new(),
+            gazes: Vec::new(),
+            tune: TuneSpec { own_run: true, pushes: Vec::new(), ..TuneSpec::default() },
+            strip: StripRon::default(),
+            colors: Vec::new(),
+            clamped: 0.0,
+            kinematic,
+            clip: None,
+            stance: None,
+            character,
+        }
+    }
+
     /// The same stage with none of its edits.
     pub fn without_edits(&self) -> Self {
         Self {

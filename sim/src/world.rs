@@ -572,6 +572,12 @@ fn collider(shape: &Shape, frame: &Transform) -> rp::ColliderBuilder {
             let local = Transform::from_parts((*center).into(), *rotation);
             rp::ColliderBuilder::cuboid(half.x, half.y, half.z).position(pose(&(frame * local)))
         }
+        Shape::Cone { a, b, radius_a, .. } => {
+            let corners: Vec<_> = shape.rims().iter().map(at).collect();
+            // rims of positive radius apart from each other always have a hull; if rounding ate it, a rod stands in
+            rp::ColliderBuilder::convex_hull(&corners)
+                .unwrap_or_else(|| rp::ColliderBuilder::capsule_from_endpoints(at(a), at(b), *radius_a))
+        }
     }
 }
 

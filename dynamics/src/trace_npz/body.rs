@@ -30,7 +30,7 @@ pub const LIMBS: &[(&str, LimbKind)] = &[("arm", LimbKind::Arm), ("leg", LimbKin
 pub const JOINTS: &[&str] = &["free", "spherical", "revolute", "prismatic", "fixed"];
 
 /// Kinds of shapes.
-pub const SHAPES: &[&str] = &["capsule", "box", "sphere"];
+pub const SHAPES: &[&str] = &["capsule", "box", "sphere", "cone"];
 
 /// Numbers of a shape.
 pub const SHAPE: usize = 10;
@@ -119,6 +119,12 @@ pub fn shapes_out(character: &Character) -> Vec<(usize, &'static str, [f64; SHAP
                     n[3] = *radius;
                     "sphere"
                 }
+                Shape::Cone { a, b, radius_a, radius_b } => {
+                    n[..3].copy_from_slice(a.as_slice());
+                    n[3..6].copy_from_slice(b.as_slice());
+                    n[6..8].copy_from_slice(&[*radius_a, *radius_b]);
+                    "cone"
+                }
             };
             (link, kind, n)
         })
@@ -134,6 +140,9 @@ pub fn shape_in(kind: &str, n: &[f64]) -> Option<Shape> {
         "capsule" if ok && n[6] > 0.0 => Some(Shape::Capsule { a: v(0), b: v(3), radius: n[6] }),
         "box" if ok && v(3).min() > 0.0 => {
             Some(Shape::Box { center: v(0), half: v(3), rotation: quaternion(&n[6..])? })
+        }
+        "cone" if ok && n[6] > 0.0 && n[7] > 0.0 && v(0) != v(3) => {
+            Some(Shape::Cone { a: v(0), b: v(3), radius_a: n[6], radius_b: n[7] })
         }
         "sphere" if ok && n[3] > 0.0 => Some(Shape::Sphere { center: v(0), radius: n[3] }),
         _ => None,

@@ -40,8 +40,8 @@
 //! | `limit_range` | L × 6 | least and greatest of the joint's value (hinge, slide) or of its three coordinates (ball), rad or m; NaN without limit |
 //! | `link_end` | L × 3 | where a drawn bone without children ends, link frame, m; NaN for others |
 //! | `rest` | nq | pose of rest |
-//! | `shape_link`, `shape_type` | s | index; text: `capsule`, `box`, `sphere` |
-//! | `shape_size` | s × 10 | link frame, m: capsule: ends (6), radius; sphere: centre (3), radius; box: centre (3), half edges (3), quaternion `w x y z`; zero beyond |
+//! | `shape_link`, `shape_type` | s | index; text: `capsule`, `box`, `sphere`, `cone` |
+//! | `shape_size` | s × 10 | link frame, m: capsule: ends (6), radius; sphere: centre (3), radius; box: centre (3), half edges (3), quaternion `w x y z`; cone: ends (6), their radii (2); zero beyond |
 //! | `site_name`, `site_link`, `site_at` | k, k, k × 3 | text, index, link frame (m): named points |
 //! | `contact_site` | – | indices of the sites that may touch the ground |
 //! | `limb_name`, `limb_kind`, `limb_links` | m, m, m × 3 | text; text: `arm`, `leg`; upper, lower and end link |

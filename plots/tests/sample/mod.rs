@@ -43,7 +43,7 @@ pub fn human() -> Arc<Character> {
         };
         links.push(link);
         let com = match shapes[0] {
-            Shape::Capsule { a, b, .. } => (a + b) * 0.5,
+            Shape::Capsule { a, b, .. } | Shape::Cone { a, b, .. } => (a + b) * 0.5,
             Shape::Box { center, .. } | Shape::Sphere { center, .. } => center,
         };
         bodies.push(Body { mass, com, inertia: Matrix3::identity() * (0.01 * mass), shapes });

@@ -4,14 +4,14 @@
 //! [`SceneError`](crate::SceneError) at the very value that is wrong. [`write()`] is the inverse, to the digits written.
 //!
 //! Links may stand in any order and name their parents; inertia is `(xx, yy, zz, xy, xz, yz)` about
-//! the centre of mass along the link's axes; rotations are Euler angles `(x, y, z)`, see
+//! the centre of mass along the link's axes, or all three follow from `density_kg_m3` and the shapes; rotations are Euler angles `(x, y, z)`, see
 //! [`angle`](crate::angle).
 
 mod read;
 mod schema;
 mod write;
 
-pub use read::{parse, read};
+pub use read::{CharacterFile, parse, parse_file, read, read_file};
 pub use write::write;
 
 /// The text of `characters/human.ron`.

@@ -9,8 +9,9 @@ use motion::{
     BallLimits, Joint, Limb, LimbKind, Limits, Link, Range, Shape, Site, Skeleton, Transform, Vec3,
 };
 use nalgebra::{Matrix3, Translation3};
+use retarget::{ContactPoint, Follow};
 
-use super::schema::{CharacterRon, JointRon, KindRon, LimitsRon, ShapeRon, V3, class};
+use super::schema::{CharacterRon, FollowRon, JointRon, KindRon, LimitsRon, ShapeRon, V3, class};
 use crate::angle::{Angle, quat_from_deg};
 use crate::error::{SceneError, Source};
 
@@ -25,12 +26,39 @@ pub fn read(path: &Path) -> Result<Character, SceneError> {
     parse(&Source::read(path)?)
 }
 
+/// Reads a character with what its file says beyond the body.
+///
+/// # Errors
+/// As [`read`].
+pub fn read_file(path: &Path) -> Result<CharacterFile, SceneError> {
+    parse_file(&Source::read(path)?)
+}
+
 /// Builds a character from a source.
 ///
 /// # Errors
 /// As [`read`].
 pub fn parse(source: &Source) -> Result<Character, SceneError> {
-    Reader { source, ron: source.parse()? }.character()
+    Ok(parse_file(source)?.character)
+}
+
+/// Builds a character from a source, with what its file says beyond the body.
+///
+/// # Errors
+/// As [`read`].
+pub fn parse_file(source: &Source) -> Result<CharacterFile, SceneError> {
+    Reader { source, ron: source.parse()? }.file()
+}
+
+/// A character, how it is painted, and what it has of a human.
+#[derive(Clone, Debug, PartialEq)]
+pub struct CharacterFile {
+    /// The body.
+    pub character: Character,
+    /// Red, green and blue of each link; `None` is left to the figures.
+    pub colors: Vec<Option<[u8; 3]>>,
+    /// The contact points whose counterparts on a human the file names.
+    pub follows: Vec<ContactPoint>,
 }
 
 fn vec3(v: V3) -> Vec3 {
@@ -43,6 +71,47 @@ struct Reader<'a> {
 }
 
 impl Reader<'_> {
+    fn file(&self) -> Result<CharacterFile, SceneError> {
+        let character = self.character()?;
+        let skeleton = &character.skeleton;
+        let mut colors = vec![None; skeleton.links().len()];
+        for (i, link) in self.ron.links.iter().enumerate() {
+            let color = link.color.as_deref().map(|c| self.color(i, c)).transpose()?;
+            if let Some(at) = skeleton.link(&link.name) {
+                colors[at] = color;
+            }
+        }
+        let mut follows = Vec::new();
+        for (name, follow) in &self.ron.follows {
+            let at = format!("follows{{\"{name}\"}}");
+            let known = || character.contacts.iter().map(|&c| skeleton.sites()[c].name.as_str());
+            let Some(contact) = known().position(|n| n == name) else {
+                return Err(self.source.unknown(&at, "contact point", name, " in follows", known()));
+            };
+            let (human, follow) = match follow {
+                FollowRon::Any(human) => (human.clone(), Follow::Any),
+                FollowRon::All(human) => (human.clone(), Follow::All),
+            };
+            if human.is_empty() {
+                let e = format!("`{name}` follows no human contact point; it needs at least one");
+                return Err(self.source.error(&at, e));
+            }
+            follows.push(ContactPoint { site: character.contacts[contact], human, follow });
+        }
+        Ok(CharacterFile { character, colors, follows })
+    }
+
+    /// `#rrggbb`.
+    fn color(&self, link: usize, text: &str) -> Result<[u8; 3], SceneError> {
+        let digits =
+            text.strip_prefix('#').filter(|d| d.len() == 6 && d.bytes().all(|b| b.is_ascii_hexdigit()));
+        let number = digits.and_then(|d| u32::from_str_radix(d, 16).ok());
+        number.map(|n| [16, 8, 0].map(|shift| (n >> shift) as u8)).ok_or_else(|| {
+            let e = format!("the colour \"{text}\" is not of the form \"#rrggbb\", such as \"#e8b04a\"");
+            self.source.error(&format!("links[{link}].color"), e)
+        })
+    }
+
     fn character(&self) -> Result<Character, SceneError> {
         let s = self.source;
         let order = self.order()?;
@@ -322,26 +391,56 @@ impl Reader<'_> {
     fn body(&self, i: usize) -> Result<Body, SceneError> {
         let (s, l) = (self.source, &self.ron.links[i]);
         let at = |field: &str| format!("links[{i}].{field}");
-        if !(l.mass_kg >= 0.0 && l.mass_kg.is_finite()) {
-            let e =
-                format!("link `{}` has a mass of {} kg; it must be positive and finite", l.name, l.mass_kg);
-            return Err(s.error(&at("mass_kg"), e));
-        }
-        let (xx, yy, zz, xy, xz, yz) = l.inertia_kg_m2;
-        if ![xx, yy, zz, xy, xz, yz].iter().all(|x| x.is_finite()) {
-            let e = format!("the inertia of `{}` is not finite", l.name);
-            return Err(s.error(&at("inertia_kg_m2"), e));
-        }
         let mut shapes = Vec::new();
         for (k, shape) in l.shapes.iter().enumerate() {
             shapes.push(self.shape(&at(&format!("shapes[{k}]")), *shape)?);
         }
+        if let Some(density) = l.density_kg_m3 {
+            return self.weighed(i, shapes, density);
+        }
+        let mass = l.mass_kg.unwrap_or_default();
+        if !(mass >= 0.0 && mass.is_finite()) {
+            let e = format!("link `{}` has a mass of {mass} kg; it must be positive and finite", l.name);
+            return Err(s.error(&at("mass_kg"), e));
+        }
+        let (xx, yy, zz, xy, xz, yz) = l.inertia_kg_m2.unwrap_or_default();
+        if ![xx, yy, zz, xy, xz, yz].iter().all(|x| x.is_finite()) {
+            let e = format!("the inertia of `{}` is not finite", l.name);
+            return Err(s.error(&at("inertia_kg_m2"), e));
+        }
         Ok(Body {
-            mass: l.mass_kg,
-            com: self.finite(&at("com_m"), l.com_m)?,
+            mass,
+            com: self.finite(&at("com_m"), l.com_m.unwrap_or_default())?,
             inertia: Matrix3::new(xx, xy, xz, xy, yy, yz, xz, yz, zz),
             shapes,
         })
+    }
+
+    /// The body that solids of one density make.
+    fn weighed(&self, i: usize, shapes: Vec<Shape>, density: f64) -> Result<Body, SceneError> {
+        let l = &self.ron.links[i];
+        let at = |field: &str| format!("links[{i}].{field}");
+        let given = [
+            ("mass_kg", l.mass_kg.is_some()),
+            ("com_m", l.com_m.is_some()),
+            ("inertia_kg_m2", l.inertia_kg_m2.is_some()),
+        ];
+        if let Some((field, _)) = given.into_iter().find(|(_, is)| *is) {
+            let e = format!(
+                "link `{}` has both density_kg_m3 and {field}; mass, centre and inertia follow from the density and the shapes",
+                l.name
+            );
+            return Err(self.source.error(&at(field), e));
+        }
+        if !(1e-3..=1e6).contains(&density) {
+            let e = format!("link `{}` has a density of {density} kg/m³; allowed: 0.001 to 1000000", l.name);
+            return Err(self.source.error(&at("density_kg_m3"), e));
+        }
+        if shapes.is_empty() {
+            let e = format!("link `{}` has a density but no shapes to fill with it", l.name);
+            return Err(self.source.error(&at("density_kg_m3"), e));
+        }
+        Ok(dynamics::density::body(shapes, density))
     }
 
     fn shape(&self, at: &str, shape: ShapeRon) -> Result<Shape, SceneError> {
@@ -368,6 +467,19 @@ impl Reader<'_> {
                     center: point("center_m", center_m)?,
                     half: vec3(half_m),
                     rotation: quat_from_deg(turn.into()),
+                }
+            }
+            ShapeRon::Cone { a_m, b_m, radius_a_m, radius_b_m } => {
+                let (a, b) = (point("a_m", a_m)?, point("b_m", b_m)?);
+                if (b - a).norm() < 1e-6 {
+                    let e = "the ends of a cone are at one place; it needs a length";
+                    return Err(self.source.error(&format!("{at}.b_m"), e));
+                }
+                Shape::Cone {
+                    a,
+                    b,
+                    radius_a: size("radius_a_m", radius_a_m)?,
+                    radius_b: size("radius_b_m", radius_b_m)?,
                 }
             }
             ShapeRon::Sphere { center_m, radius_m } => {

@@ -19,6 +19,8 @@ pub(super) struct CharacterRon {
     #[serde(default)]
     pub(super) contacts: Vec<String>,
     #[serde(default)]
+    pub(super) follows: BTreeMap<String, FollowRon>,
+    #[serde(default)]
     pub(super) limbs: Vec<LimbRon>,
     #[serde(default)]
     pub(super) parts: BTreeMap<String, Vec<String>>,
@@ -39,12 +41,11 @@ pub(super) struct LinkRon {
     pub(super) limits_deg: Option<LimitsRon>,
     pub(super) limits_m: Option<(f64, f64)>,
     pub(super) class: ClassRon,
-    #[serde(default)]
-    pub(super) mass_kg: f64,
-    #[serde(default)]
-    pub(super) com_m: V3,
-    #[serde(default)]
-    pub(super) inertia_kg_m2: (f64, f64, f64, f64, f64, f64),
+    pub(super) density_kg_m3: Option<f64>,
+    pub(super) mass_kg: Option<f64>,
+    pub(super) com_m: Option<V3>,
+    pub(super) inertia_kg_m2: Option<(f64, f64, f64, f64, f64, f64)>,
+    pub(super) color: Option<String>,
     #[serde(default)]
     pub(super) shapes: Vec<ShapeRon>,
     pub(super) end_m: Option<V3>,
@@ -101,6 +102,12 @@ pub(super) enum ShapeRon {
         center_m: V3,
         radius_m: f64,
     },
+    Cone {
+        a_m: V3,
+        b_m: V3,
+        radius_a_m: f64,
+        radius_b_m: f64,
+    },
 }
 
 #[derive(Deserialize)]
@@ -109,6 +116,16 @@ pub(super) struct SiteRon {
     pub(super) name: String,
     pub(super) link: String,
     pub(super) at_m: V3,
+}
+
+/// Human contact points whose contact a point takes over.
+#[derive(Deserialize)]
+#[serde(rename = "follow")]
+pub(super) enum FollowRon {
+    /// While at least one of them touches the ground.
+    Any(Vec<String>),
+    /// Only while all of them do.
+    All(Vec<String>),
 }
 
 #[derive(Clone, Copy, Deserialize)]

@@ -150,5 +150,9 @@ fn shape_text(shape: &Shape) -> String {
         Shape::Sphere { center, radius } => {
             format!("Sphere(center_m: {}, radius_m: {})", p(center), num(*radius, 6))
         }
+        Shape::Cone { a, b, radius_a, radius_b } => {
+            let [ra, rb] = [radius_a, radius_b].map(|r| num(*r, 6));
+            format!("Cone(a_m: {}, b_m: {}, radius_a_m: {ra}, radius_b_m: {rb})", p(a), p(b))
+        }
     }
 }

@@ -27,6 +27,7 @@ pub(super) fn mesh(shape: &Shape) -> Mesh {
     match *shape {
         Shape::Sphere { center, radius } => capsule(&center, &center, radius),
         Shape::Capsule { a, b, radius } => capsule(&a, &b, radius),
+        Shape::Cone { a, b, radius_a, radius_b } => cone(shape, &a, &b, [radius_a, radius_b]),
         Shape::Box { center, half, rotation } => {
             let mut mesh = Mesh::default();
             for axis in 0..3 {
@@ -46,6 +47,38 @@ pub(super) fn mesh(shape: &Shape) -> Mesh {
             mesh
         }
     }
+}
+
+/// Two flat ends and the side between them.
+fn cone(shape: &Shape, a: &Vec3, b: &Vec3, [radius_a, radius_b]: [f64; 2]) -> Mesh {
+    let mut mesh = Mesh::default();
+    let rims = shape.rims();
+    let count = rims.len() / 2;
+    let axis = (b - a).normalize();
+    // outward normals of the side lean by the slope
+    let slope = axis * ((radius_a - radius_b) / (b - a).norm());
+    for (k, p) in rims.iter().enumerate() {
+        let out = if k < count { (p - a) / radius_a } else { (p - b) / radius_b };
+        mesh.points.push(*p);
+        mesh.normals.push((out + slope).normalize());
+    }
+    let next = |k: usize| (k + 1) % count;
+    for k in 0..count {
+        let (p, q, r, s) = (k, next(k), count + k, count + next(k));
+        mesh.indices.extend([p, q, s, p, s, r].map(|i| i as u32));
+    }
+    for (end, center, normal) in [(0, a, -axis), (1, b, axis)] {
+        let first = mesh.points.len();
+        mesh.points.push(*center);
+        mesh.points.extend(&rims[end * count..(end + 1) * count]);
+        mesh.normals.resize(mesh.points.len(), normal);
+        for k in 0..count {
+            let (p, q) = (first + 1 + k, first + 1 + next(k));
+            let corners = if end == 0 { [first, q, p] } else { [first, p, q] };
+            mesh.indices.extend(corners.map(|i| i as u32));
+        }
+    }
+    mesh
 }
 
 /// All points within `radius` of a segment: half a ball about `a`, a tube, half a ball about `b`.
@@ -109,6 +142,9 @@ mod tests {
         let b = off + Vec3::new(0.2, -0.9, 0.4);
         let capsule = Shape::Capsule { a: off, b, radius: 0.1 };
         let down = Shape::Capsule { a: off, b: off - Vec3::y(), radius: 0.1 };
+        let (axis, [ra, rb]) = (b - off, [0.3, 0.1]);
+        let cone = Shape::Cone { a: off, b, radius_a: ra, radius_b: rb };
+        let frustum = PI * axis.norm() * (ra * ra + ra * rb + rb * rb) / 3.0;
         let sphere = |r: f64| 4.0 / 3.0 * PI * r.powi(3);
         let tube = |r: f64, l: f64| sphere(r) + PI * r * r * l;
         for (shape, expected) in [
@@ -116,9 +152,10 @@ mod tests {
             (boxed, 8.0 * 0.006),
             (capsule, tube(0.1, (b - off).norm())),
             (down, tube(0.1, 1.0)),
+            (cone, frustum),
         ] {
             let mesh = mesh(&shape);
-            let ratio = volume(&mesh) / expected; // 0.972, 1, 0.987, 0.987 seen
+            let ratio = volume(&mesh) / expected; // 0.972, 1, 0.987, 0.987, 0.989 seen
             assert!(ratio > 0.97 && ratio < 1.0 + 1e-12, "{shape:?}: {ratio}");
             for triangle in mesh.indices.chunks(3) {
                 let [p, q, r] = [0, 1, 2].map(|k| mesh.points[triangle[k] as usize]);

@@ -164,6 +164,7 @@ fn check_solids(skeleton: &Skeleton, solids: &[(usize, Shape)]) -> Result<(), Gl
             Shape::Capsule { a, b, radius } => (radius, a + b),
             Shape::Sphere { center, radius } => (radius, center),
             Shape::Box { center, half, rotation } => (half.min(), center + half + rotation.imag()),
+            Shape::Cone { a, b, radius_a, radius_b } => (radius_a.min(radius_b).min((b - a).norm()), a + b),
         };
         let sound = least > 0.0 && least.is_finite() && places.iter().all(|x| x.abs() < f64::from(f32::MAX));
         if !sound {

@@ -1,0 +1,170 @@
+//! Which figures a motion on a character gets.
+
+use plots::panel::Clock;
+use plots::{
+    Confidence, Figure, LatentPath, PosePair, StageColumn, Table, confidence_strip, force_match,
+    momentum_match, stage_strip,
+};
+use scenes::retarget::{Retargeted, Stage};
+use scenes::retargeting::compare::{self, ModelRow};
+use scenes::retargeting::{RetargetReport, Session};
+
+use crate::failure::Failure;
+
+/// Names of all figures a run may get.
+pub const STEMS: &[&str] = &["strip_stages", "confidence", "momentum", "ground_force", "models", "latent"];
+/// Gravity of the contact model, m/s².
+const GRAVITY: f64 = 9.81;
+/// Moments in the film strip.
+const MOMENTS: usize = 7;
+/// Dimensions whose latent paths are compared.
+const DIMENSIONS: [usize; 3] = [2, 15, 30];
+
+/// Draws the figures one by one; `save` gets the name, the figure and the fraction done.
+///
+/// # Errors
+/// Those of `save`, and of the mapping with other latent dimensions.
+pub fn draw(
+    session: &Session,
+    report: &RetargetReport,
+    done: &Retargeted,
+    save: &mut dyn FnMut(&str, &Figure, f64) -> Result<(), Failure>,
+) -> Result<(), Failure> {
+    let note = format!(
+        "{} on the {}: {}, {} key poses",
+        report.performance, report.character, report.model, report.key_poses
+    );
+    let clock = Clock { rate_hz: done.clip.rate_hz, start_s: 0.0 };
+    save("strip_stages", &strip(session, done, &note), 0.2)?;
+    save("confidence", &confidence(session, report, done, clock, &note), 0.3)?;
+    if let Some(m) = &done.momentum {
+        let spin = [&m.human_spin[..], &m.character_spin];
+        save("momentum", &momentum_match(clock, [&m.human, &m.character], spin, &note), 0.4)?;
+    }
+    if let Some(r) = &done.refinement {
+        let weight = session.actor.file.character.mass() * GRAVITY;
+        let before = [&r.required_before[..], &r.contact_before];
+        let after = [&r.required_after[..], &r.contact_after];
+        save("ground_force", &force_match(clock, before, after, weight, &note), 0.5)?;
+    }
+    if !report.models.is_empty() {
+        save("models", &models(report, &note), 0.6)?;
+    }
+    if report.model == "gplvm" {
+        save("latent", &latent(session, done, &note)?, 1.0)?;
+    }
+    Ok(())
+}
+
+/// The path of the motion through latent spaces of several dimensions.
+fn latent(session: &Session, done: &Retargeted, note: &str) -> Result<Figure, Failure> {
+    let paths = compare::latent_paths(session, &done.human, &DIMENSIONS).map_err(Failure::input)?;
+    let plane = |x: &Vec<f64>| [x[0], x.get(1).copied().unwrap_or(0.0)];
+    let own = |i: usize| session.key_poses.moments[i].0 == session.performance.name;
+    let panels: Vec<LatentPath> = (paths.iter())
+        .map(|p| LatentPath {
+            dimensions: p.dimensions,
+            frames: p.frames.iter().map(plane).collect(),
+            own_keys: p.keys.iter().enumerate().filter(|(i, _)| own(*i)).map(|(_, x)| plane(x)).collect(),
+            other_keys: p.keys.iter().enumerate().filter(|(i, _)| !own(*i)).map(|(_, x)| plane(x)).collect(),
+            jerk: p.jerk,
+            jumps: p.jumps,
+        })
+        .collect();
+    Ok(plots::latent_paths(&panels, note))
+}
+
+/// A number of a model, if it has it.
+type Number = fn(&ModelRow) -> Option<f64>;
+
+/// The five models side by side.
+fn models(report: &RetargetReport, note: &str) -> Figure {
+    let columns: [(&str, Number); 5] = [
+        ("at its key poses (°)", |m| Some(m.learned_deg)),
+        ("pose left out (°)", |m| Some(m.left_out_deg)),
+        ("performance left out (°)", |m| Some(m.performance_left_out_deg)),
+        ("jerk over the human's", |m| Some(m.jerk_ratio)),
+        ("force mismatch left (%)", |m| m.mismatch_left_percent),
+    ];
+    let cell = |x: Option<f64>| x.map_or_else(|| "–".into(), |x| format!("{x:.2}"));
+    let best = |of: Number| {
+        let all = report.models.iter().enumerate().filter_map(|(i, m)| Some((i, of(m)?)));
+        all.min_by(|a, b| a.1.total_cmp(&b.1)).map(|(i, _)| i)
+    };
+    let table = Table {
+        title: "Five models".into(),
+        columns: columns.iter().map(|(name, _)| (*name).into()).collect(),
+        rows: (report.models.iter())
+            .map(|m| (m.model.into(), columns.iter().map(|(_, of)| cell(of(m))).collect()))
+            .collect(),
+        best: columns.iter().map(|(_, of)| best(*of)).collect(),
+    };
+    plots::table(&table, note)
+}
+
+/// All key poses beside the human poses they stand for.
+pub fn key_poses(session: &Session) -> Figure {
+    let pairs = &session.key_poses.key_poses.pairs;
+    let labels: Vec<String> =
+        session.key_poses.moments.iter().map(|(of, at_s)| format!("{of} {at_s:.2} s")).collect();
+    let pairs: Vec<PosePair> = (pairs.iter().zip(&labels))
+        .map(|(p, label)| PosePair {
+            label,
+            human: (&p.performer.character, &p.human),
+            character: &p.character,
+        })
+        .collect();
+    let file = &session.actor.file;
+    let note =
+        format!("{}: {} pairs of {}", file.character.name, pairs.len(), session.key_poses.path.display());
+    plots::pose_sheet(&pairs, &file.character, &file.colors, 30.0, &note)
+}
+
+/// Moments of this motion that have a key pose, s.
+fn keys_at_s(session: &Session) -> Vec<f64> {
+    let own = session.key_poses.moments.iter().filter(|(of, _)| *of == session.performance.name);
+    own.map(|(_, at_s)| *at_s).collect()
+}
+
+fn confidence(
+    session: &Session,
+    report: &RetargetReport,
+    done: &Retargeted,
+    clock: Clock,
+    note: &str,
+) -> Figure {
+    let m = &done.mapping;
+    let of = Confidence {
+        confidence: &m.confidence,
+        extrapolates: &m.extrapolates,
+        jumps: &m.jumps,
+        keys_at_s: &keys_at_s(session),
+        suggested_at_s: &report.suggested.iter().map(|s| s.at_s).collect::<Vec<_>>(),
+    };
+    confidence_strip(clock, &of, note)
+}
+
+fn strip(session: &Session, done: &Retargeted, note: &str) -> Figure {
+    let puppet = &session.actor.puppet.character;
+    let mut columns = vec![StageColumn {
+        label: "human",
+        clip: &done.human,
+        character: &session.performance.performer.character,
+        colors: &[],
+    }];
+    for (stage, clip) in &done.stages {
+        let label = match stage {
+            Stage::Map => "mapped",
+            Stage::Global => "moved by momentum",
+            Stage::Contact => "on the ground",
+            Stage::Refine => "forces matched",
+        };
+        columns.push(StageColumn { label, clip, character: puppet, colors: &session.actor.file.colors });
+    }
+    let strip = &session.performance.strip;
+    let (from, to) = (strip.from_s, strip.to_s.unwrap_or(done.clip.duration_s()));
+    // inside the motion: its very ends are rest
+    let times: Vec<f64> =
+        (0..MOMENTS).map(|i| from + (to - from) * (i as f64 + 0.6) / (MOMENTS as f64 + 0.2)).collect();
+    stage_strip(&columns, &times, strip.yaw_deg.unwrap_or(25.0), note)
+}

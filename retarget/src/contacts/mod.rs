@@ -1,0 +1,135 @@
+//! Contacts: when points touch the ground, and the motion that keeps them there \[YAH10, §5.2\].
+//!
+//! In: the human clip, the character's clip in the world. Out: the phases in which each of the character's
+//! contact points rests on the ground, and the character's clip with the points held there.
+//!
+//! | module | holds |
+//! |---|---|
+//! | [`phases`] | when human points touch, and the character's with them |
+//! | [`paths`] | where each point has to be in every frame |
+//! | [`reach`] | the pose that puts the points there |
+//!
+//! \[YAH10\] Yamane, Ariki, Hodgins. Animating Non-Humanoid Characters with Human Motion Data, SCA 2010.
+
+pub mod paths;
+pub mod phases;
+pub mod reach;
+
+use motion::{Clip, Vec3};
+
+use crate::global_transform::low_pass;
+use crate::result::ContactReport;
+use crate::{Puppet, RetargetError};
+use paths::{Path, Span, held_paths};
+use reach::Reach;
+
+/// A time in which a point of the character stays where it is on the ground.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Phase {
+    /// The site's name.
+    pub point: String,
+    /// First time of contact, s.
+    pub from_s: f64,
+    /// Last time of contact, s.
+    pub to_s: f64,
+}
+
+/// Holds the contact points of `clip` in their phases; what else moves, moves as little as it can.
+///
+/// In two passes: solved frame by frame, the root is jerked about wherever a straight leg has to reach. Of the
+/// way it takes in the first pass it keeps what is slow, and in the second it gives way only where legs cannot reach.
+///
+/// # Errors
+/// A phase of an unknown point, reversed, outside the clip, or overlapping another of its point.
+pub fn adjust(
+    puppet: &Puppet,
+    clip: &Clip,
+    phases: &[Phase],
+) -> Result<(Clip, ContactReport), RetargetError> {
+    let spans = phases::spans(puppet, phases, clip)?;
+    let before = point_paths(puppet, clip);
+    let goals = held_paths(puppet, &before, &spans, clip.rate_hz);
+    let mut reach = Reach::new(puppet, &spans);
+    let mut out = clip.clone();
+    let put = |reach: &mut Reach, from: &[f64], i: usize, q: &mut [f64]| {
+        let resting = |c: usize| spans[c].iter().any(|s| s.first <= i && i <= s.last);
+        reach.solve(from, &|c| (goals[c][i], resting(c)), q);
+    };
+    for i in 0..clip.frames() {
+        put(&mut reach, clip.pose(i), i, out.pose_mut(i));
+    }
+    // the root's way, smoothed, is where the second pass starts from and stays
+    let (nv, frames) = (clip.skeleton.nv(), clip.frames());
+    let mut ways = vec![vec![0.0; frames]; ROOT_DOFS];
+    let mut way = vec![0.0; nv];
+    for i in 0..frames {
+        clip.skeleton.difference(clip.pose(i), out.pose(i), 1.0, &mut way);
+        (0..ROOT_DOFS).for_each(|d| ways[d][i] = way[d]);
+    }
+    let ways: Vec<Vec<f64>> = ways.iter().map(|w| low_pass(w, ROOT_HZ, clip.rate_hz)).collect();
+    reach.hold_root();
+    let mut from = clip.pose(0).to_vec();
+    for i in 0..frames {
+        way.fill(0.0);
+        (0..ROOT_DOFS).for_each(|d| way[d] = ways[d][i]);
+        from.copy_from_slice(clip.pose(i));
+        clip.skeleton.integrate(&mut from, &way, 1.0);
+        put(&mut reach, &from, i, out.pose_mut(i));
+    }
+    let report = report(&before, &point_paths(puppet, &out), &spans, clip.rate_hz);
+    Ok((out, report))
+}
+
+/// World positions of the contact points in every frame, one path per point.
+pub fn point_paths(puppet: &Puppet, clip: &Clip) -> Vec<Path> {
+    let sites = puppet.character.skeleton.sites();
+    let mut k = motion::Kinematics::new(&clip.skeleton, &clip.skeleton.zero_pose());
+    let mut out = vec![Path::with_capacity(clip.frames()); puppet.contacts.len()];
+    for i in 0..clip.frames() {
+        k.update(&clip.skeleton, clip.pose(i));
+        for (path, c) in out.iter_mut().zip(&puppet.contacts) {
+            path.push(k.point(sites[c.site].link, &sites[c.site].at));
+        }
+    }
+    out
+}
+
+/// Degrees of freedom of a free root.
+const ROOT_DOFS: usize = 6;
+/// The root follows its contacts below this frequency, Hz: above, the legs do.
+const ROOT_HZ: f64 = 2.0;
+
+/// Frames on either side of a phase's end in which jerk is looked at, s.
+const NEAR_S: f64 = 0.1;
+
+/// What is left to see: slip and depth of the points, jerk near the phases' ends against the source.
+pub fn report(source: &[Path], result: &[Path], spans: &[Vec<Span>], rate_hz: f64) -> ContactReport {
+    let mut out = ContactReport::default();
+    let near = (NEAR_S * rate_hz).ceil() as usize;
+    let (mut theirs, mut own) = (0.0f64, 0.0f64);
+    for ((before, after), spans) in source.iter().zip(result).zip(spans) {
+        out.penetration_m = after.iter().map(|p| -p.y).fold(out.penetration_m, f64::max);
+        for s in spans {
+            out.slip_m = out.slip_m.max(slip(&after[s.first..=s.last]));
+            for end in [s.first, s.last] {
+                let from = end.saturating_sub(near);
+                let to = (end + near).min(after.len() - 1);
+                theirs = theirs.max(peak_jerk(&before[from..=to]));
+                own = own.max(peak_jerk(&after[from..=to]));
+            }
+        }
+    }
+    out.jerk_ratio = if theirs > 0.0 { own / theirs } else { 0.0 };
+    out
+}
+
+/// Farthest horizontal distance from the mean, m.
+fn slip(p: &[Vec3]) -> f64 {
+    let mean = p.iter().sum::<Vec3>() / p.len() as f64;
+    p.iter().map(|x| (x.x - mean.x).hypot(x.z - mean.z)).fold(0.0, f64::max)
+}
+
+/// Largest third difference, m.
+fn peak_jerk(p: &[Vec3]) -> f64 {
+    p.windows(4).map(|w| (w[3] - (w[2] - w[1]) * 3.0 - w[0]).norm()).fold(0.0, f64::max)
+}

@@ -1,0 +1,213 @@
+//! Contact phases: found on the human, carried over to the character, or given by hand.
+//!
+//! A human point is in contact while it is low and slow: it touches below both thresholds, and leaves above
+//! [`LEAVE`] times either. Heights are above the ground, speeds by central differences of positions; both
+//! thresholds are those of a figure of standard size and scale with the performer's legs. Gaps and phases
+//! shorter than [`ContactOptions::shortest_s`] are closed and dropped, in this order. A character's point
+//! takes the phases of its counterparts, any or all of them, and the same again.
+
+use motion::names::hint;
+use motion::{Clip, Kinematics, Vec3};
+
+use super::Phase;
+use super::paths::Span;
+use crate::options::ContactOptions;
+use crate::{ContactPoint, Follow, Performer, Puppet, RetargetError};
+
+/// A contact ends above this multiple of the thresholds that began it.
+pub const LEAVE: f64 = 1.3;
+
+/// Contact of each of the performer's contact points in every frame; `human` on ground at height 0.
+pub fn human_contacts(performer: &Performer, human: &Clip, options: &ContactOptions) -> Vec<Vec<bool>> {
+    let c = &performer.character;
+    let size = performer.features.unit_m;
+    let (height, speed) = (options.height_m * size, options.speed_m_s * size);
+    let mut k = Kinematics::new(&human.skeleton, &human.skeleton.zero_pose());
+    let mut paths = vec![Vec::with_capacity(human.frames()); c.contacts.len()];
+    for i in 0..human.frames() {
+        k.update(&human.skeleton, human.pose(i));
+        for (path, &site) in paths.iter_mut().zip(&c.contacts) {
+            let site = &c.skeleton.sites()[site];
+            path.push(k.point(site.link, &site.at));
+        }
+    }
+    let shortest = (options.shortest_s * human.rate_hz).round() as usize;
+    paths
+        .iter()
+        .map(|p| {
+            let mut down = false;
+            let mut on: Vec<bool> = (0..p.len())
+                .map(|i| {
+                    let times = if down { LEAVE } else { 1.0 };
+                    down = p[i].y < times * height && speed_at(p, i, human.rate_hz) < times * speed;
+                    down
+                })
+                .collect();
+            tidy(&mut on, shortest);
+            on
+        })
+        .collect()
+}
+
+/// Speed of a sampled path, m/s.
+fn speed_at(p: &[Vec3], i: usize, rate_hz: f64) -> f64 {
+    let (a, b) = (i.saturating_sub(1), (i + 1).min(p.len() - 1));
+    if a == b { 0.0 } else { (p[b] - p[a]).norm() * rate_hz / (b - a) as f64 }
+}
+
+/// Closes short gaps between phases, then drops short phases; at the ends of the clip both may be short.
+fn tidy(on: &mut [bool], shortest: usize) {
+    for value in [false, true] {
+        let mut i = 0;
+        while i < on.len() {
+            let run = on[i..].iter().take_while(|&&x| x == on[i]).count();
+            let inside = i > 0 && i + run < on.len();
+            let of_value = on[i] == value;
+            if of_value && run < shortest && (inside || value) {
+                on[i..i + run].fill(!value);
+            }
+            i += run;
+        }
+    }
+}
+
+/// Performer's contacts that a counterpart names: the site itself, or all whose name it begins, up to an
+/// underscore.
+fn counterparts(performer: &Performer, name: &str) -> Vec<usize> {
+    let c = &performer.character;
+    let site = |i: usize| c.skeleton.sites()[c.contacts[i]].name.as_str();
+    let matches = |s: &str| s == name || s.strip_prefix(name).is_some_and(|rest| rest.starts_with('_'));
+    (0..c.contacts.len()).filter(|&i| matches(site(i))).collect()
+}
+
+/// For each counterpart of a contact point, the performer's contacts it stands for.
+///
+/// # Errors
+/// A counterpart that the performer does not have.
+pub fn groups(
+    performer: &Performer,
+    puppet: &Puppet,
+    point: &ContactPoint,
+) -> Result<Vec<Vec<usize>>, RetargetError> {
+    let find = |human: &String| {
+        let found = counterparts(performer, human);
+        if !found.is_empty() {
+            return Ok(found);
+        }
+        let c = &performer.character;
+        let known = c.contacts.iter().map(|&s| c.skeleton.sites()[s].name.as_str());
+        let site = puppet.character.skeleton.sites()[point.site].name.clone();
+        Err(RetargetError::Counterpart { site, hint: hint(human, known), human: human.clone() })
+    };
+    point.human.iter().map(find).collect()
+}
+
+/// Whether a point whose counterparts are these is in contact, when the human ones are as `down` says.
+///
+/// A name that stands for several sites is in contact when any of them is.
+pub fn follows(follow: Follow, groups: &[Vec<usize>], down: impl Fn(usize) -> bool) -> bool {
+    let touches = |group: &Vec<usize>| group.iter().any(|&c| down(c));
+    match follow {
+        Follow::Any => groups.iter().any(touches),
+        Follow::All => groups.iter().all(touches),
+    }
+}
+
+/// The character's phases, from the human's contacts.
+///
+/// # Errors
+/// A counterpart that the performer does not have.
+pub fn find(
+    performer: &Performer,
+    human: &Clip,
+    puppet: &Puppet,
+    options: &ContactOptions,
+) -> Result<Vec<Phase>, RetargetError> {
+    if let Some(given) = &options.phases {
+        return Ok(given.clone());
+    }
+    let contacts = human_contacts(performer, human, options);
+    let shortest = (options.shortest_s * human.rate_hz).round() as usize;
+    let mut out = Vec::new();
+    for point in &puppet.contacts {
+        let name = &puppet.character.skeleton.sites()[point.site].name;
+        let groups = groups(performer, puppet, point)?;
+        let mut on: Vec<bool> =
+            (0..human.frames()).map(|i| follows(point.follow, &groups, |c| contacts[c][i])).collect();
+        tidy(&mut on, shortest);
+        let mut i = 0;
+        while i < on.len() {
+            let run = on[i..].iter().take_while(|&&x| x == on[i]).count();
+            if on[i] {
+                let at = |frame: usize| frame as f64 / human.rate_hz;
+                out.push(Phase { point: name.clone(), from_s: at(i), to_s: at(i + run - 1) });
+            }
+            i += run;
+        }
+    }
+    Ok(out)
+}
+
+/// Phases as frames of a clip, per contact point of the puppet, in order.
+///
+/// # Errors
+/// As [`super::adjust`].
+pub fn spans(puppet: &Puppet, phases: &[Phase], clip: &Clip) -> Result<Vec<Vec<Span>>, RetargetError> {
+    let sites = puppet.character.skeleton.sites();
+    let names: Vec<&str> = puppet.contacts.iter().map(|c| sites[c.site].name.as_str()).collect();
+    let mut out = vec![Vec::new(); names.len()];
+    for p in phases {
+        let fault = |reason: &'static str| RetargetError::Phase {
+            point: p.point.clone(),
+            from_s: p.from_s,
+            to_s: p.to_s,
+            reason,
+        };
+        let Some(point) = names.iter().position(|n| *n == p.point) else {
+            return Err(fault("the character has no contact point of this name"));
+        };
+        if !p.from_s.is_finite() || !p.to_s.is_finite() || p.from_s > p.to_s {
+            return Err(fault("it ends before it begins"));
+        }
+        // half a frame of grace: written times are rounded
+        if p.from_s < -0.5 / clip.rate_hz || p.to_s > clip.duration_s() + 0.5 / clip.rate_hz {
+            return Err(fault("it lies outside the clip"));
+        }
+        let frame = |t: f64| ((t * clip.rate_hz).round().max(0.0) as usize).min(clip.frames() - 1);
+        out[point].push(Span { first: frame(p.from_s), last: frame(p.to_s) });
+    }
+    for (point, spans) in out.iter_mut().enumerate() {
+        spans.sort_by_key(|s| s.first);
+        if let Some(w) = spans.windows(2).find(|w| w[1].first <= w[0].last) {
+            let at = |frame: usize| frame as f64 / clip.rate_hz;
+            return Err(RetargetError::Phase {
+                point: names[point].into(),
+                from_s: at(w[1].first),
+                to_s: at(w[1].last),
+                reason: "it overlaps the one before",
+            });
+        }
+    }
+    Ok(out)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::tidy;
+
+    #[test]
+    fn short_gaps_close_and_short_phases_go() {
+        let read = |s: &str| -> Vec<bool> { s.chars().map(|c| c == '#').collect() };
+        for (given, want) in [
+            ("..####.####..", "..#########.."),
+            ("..#....####..", ".......####.."),
+            (".####", ".####"),
+            ("#....####", ".....####"),
+            ("####.", "####."),
+        ] {
+            let mut on = read(given);
+            tidy(&mut on, 3);
+            assert_eq!(on, read(want), "{given}");
+        }
+    }
+}

@@ -1,0 +1,313 @@
+//! Physics refinement \[YAH10, §5.3\]: a small smooth displacement that makes a motion explainable by its contacts.
+//!
+//! In: a clip whose contacts hold, its phases, the variance of the mapping in every frame. Out: the clip moved by
+//! Gaussian radial basis functions of the chosen degrees of freedom, whose weights minimise
+//!
+//! ```text
+//! Z = ½ wᵀw + k₁ Z_p + k₂ Z_m + slip + limits + collisions                                          (11)
+//! Z_p = ½ Σ_frames |F − F̂|² + |N − N̂|²/ℓ²                                                          (12)
+//! Z_m = ½ Σ_frames dt/τ · mean_points |p − p₀|²/σ²                                                 (15)
+//! ```
+//!
+//! - *Z_p*: see [`physics`]. Forces count as those of a body of [`REFERENCE_KG`], so that k₁ means the same for a lamp
+//!   and a man; ℓ is the radius of gyration about X in the rest pose.
+//! - *Z_m*: the mapping's variance σ² (never below [`LEAST_DEVIATION_M`]²) about the pose that is refined, not about
+//!   the mapping's mean: that one knows nothing of where the feet were put, and would pull them off. \[YAH10\] sums over
+//!   frames and points as if they erred independently. A body that is mapped too low has all its points too low, for
+//!   as long as the pose lasts: the points count as one here, and so do the frames of τ = [`INDEPENDENT_S`], whatever
+//!   the frame rate. (Summed as printed, Z_m holds a jump at the height it was mapped to; the flight cannot become one.)
+//!   Unsure frames move more, also to get out of a collision.
+//! - *Slip* of points in a phase from their place, half a cost at [`SLIP_M`]; *limits* of joints; *collisions* of
+//!   the body with itself, the ground and the scene ([`solids`]).
+//!
+//! *Solution.* Levenberg–Marquardt. Two functions act together only within 16 spacings: with the unknowns in the order
+//! of time the normal equations are banded, and cost grows linearly with length. Rates and accelerations of the displaced
+//! clip are central differences, as anyone who reads the clip will take them.
+//!
+//! *Collisions first.* Where bodies penetrate, the joints between the two are moved by a pass of its own, without
+//! forces; which degrees of freedom the physics may move is then still free.
+//!
+//! \[YAH10\] Yamane, Ariki, Hodgins. Animating Non-Humanoid Characters with Human Motion Data, SCA 2010.
+
+pub mod band;
+pub mod basis;
+pub mod physics;
+mod problem;
+pub mod solids;
+
+use dynamics::{Model, Penalty, State};
+use motion::names::hint;
+use motion::{Clip, Joint, Kinematics, Vec3};
+
+use crate::contacts::paths::Span;
+use crate::contacts::{Phase, phases, point_paths, report as contact_report};
+use crate::options::{RefineDofs, RefineOptions};
+use crate::result::RefinementReport;
+use crate::{Puppet, RetargetError};
+use physics::{Forces, Physics};
+use problem::{Problem, Setting};
+use solids::Solids;
+
+/// Mass as whose forces a mismatch counts, kg.
+pub const REFERENCE_KG: f64 = 75.0;
+/// Least standard deviation of a feature point, m.
+pub const LEAST_DEVIATION_M: f64 = 0.01;
+/// Time over which the mapping errs in the same way, τ, s.
+pub const INDEPENDENT_S: f64 = 0.5;
+/// Slip that costs one half, m.
+pub const SLIP_M: f64 = 0.0005;
+/// Gravity, m/s².
+pub const GRAVITY: f64 = 9.81;
+/// Share of the damping of [`Penalty::for_body`] that is kept: nothing is simulated here, and what a heel that is put
+/// down at 0.1 m/s would lose to the damper no body has to give.
+const DAMPING: f64 = 0.1;
+/// Spacing of the basis functions of the pass against collisions, s: an arm goes round a hip, it does not jump.
+const COLLISION_SPACING_S: f64 = 0.15;
+/// Penetrations below this are none, m.
+const TOUCH_M: f64 = 0.001;
+
+/// Refines a clip. See the module header.
+///
+/// * `variance`: of a coordinate of a feature point in every frame, m²
+///
+/// # Errors
+/// Phases that do not fit, links that do not exist, options outside their range.
+pub fn refine(
+    puppet: &Puppet,
+    clip: &Clip,
+    found: &[Phase],
+    variance: &[f64],
+    options: &RefineOptions,
+) -> Result<(Clip, RefinementReport), RetargetError> {
+    check(options)?;
+    let spans = phases::spans(puppet, found, clip)?;
+    let source = point_paths(puppet, clip);
+    let anchors = anchors(&source, &spans, clip.frames());
+    let c = &puppet.character;
+    let mut penalty = Penalty::for_body(c.mass(), GRAVITY, standing_on(&anchors), options.sink_m)?;
+    penalty.mu = options.friction;
+    penalty.k_d *= DAMPING;
+    let length_m = gyration(puppet);
+    let solids = Solids::new(puppet, &options.obstacles);
+    let setting = Setting {
+        puppet,
+        anchors: &anchors,
+        variance,
+        options,
+        solids: options.collisions.then_some(&solids),
+        length_m,
+        penalty,
+    };
+    let mut out = clip.clone();
+    let mut iterations = 0;
+    let (before_m, links) = collisions(&solids, clip);
+    if options.collisions && before_m > TOUCH_M {
+        let dofs = joints_between(puppet, &links);
+        if !dofs.is_empty() {
+            let wide = RefineOptions { spacing_s: COLLISION_SPACING_S, ..options.clone() };
+            let setting = Setting { options: &wide, ..setting };
+            iterations += Problem::new(setting, &out, dofs, false).solve(&mut out)?;
+        }
+    }
+    // the root's height alone can do nothing about a hand in a hip
+    let setting =
+        Setting { solids: setting.solids.filter(|_| options.dofs != RefineDofs::RootHeight), ..setting };
+    let dofs = chosen(puppet, &options.dofs)?;
+    iterations += Problem::new(setting, &out, dofs, true).solve(&mut out)?;
+
+    let mut physics = Physics::new(puppet, penalty, Vec3::y() * -GRAVITY);
+    let (before, after) = (forces(&mut physics, clip, &anchors), forces(&mut physics, &out, &anchors));
+    let moved: Vec<f64> = (0..clip.frames()).map(|i| root_way(puppet, clip.pose(i), out.pose(i))).collect();
+    let mut sorted = moved.clone();
+    sorted.sort_by(f64::total_cmp);
+    let held = contact_report(&source, &point_paths(puppet, &out), &spans, clip.rate_hz);
+    let cone = |f: &[Forces]| outside_cone(f, &anchors, options.friction, c.mass() * GRAVITY);
+    let report = RefinementReport {
+        before: mismatch(&before, length_m),
+        after: mismatch(&after, length_m),
+        length_m,
+        root_median_m: sorted[sorted.len() / 2],
+        root_largest_m: sorted[sorted.len() - 1],
+        slip_m: held.slip_m,
+        cone_before: cone(&before),
+        cone_after: cone(&after),
+        collision_m: [before_m, collisions(&solids, &out).0],
+        iterations,
+        required_before: before.iter().map(|f| f.required).collect(),
+        contact_before: before.iter().map(|f| f.given).collect(),
+        required_after: after.iter().map(|f| f.required).collect(),
+        contact_after: after.iter().map(|f| f.given).collect(),
+    };
+    Ok((out, report))
+}
+
+fn check(o: &RefineOptions) -> Result<(), RetargetError> {
+    let positive = |name: &'static str, value: f64| {
+        let allowed = "positive numbers";
+        if value > 0.0 && value.is_finite() {
+            Ok(())
+        } else {
+            Err(RetargetError::Option { name, value, allowed })
+        }
+    };
+    positive("the spacing of the basis functions (s)", o.spacing_s)?;
+    positive("k1", o.k1)?;
+    positive("k2", o.k2)?;
+    positive("the coefficient of friction", o.friction)
+}
+
+/// Where the points are anchored, per frame: their own place at the middle of the phase.
+fn anchors(paths: &[Vec<Vec3>], spans: &[Vec<Span>], frames: usize) -> Vec<Vec<Option<[f64; 2]>>> {
+    let mut out = vec![vec![None; paths.len()]; frames];
+    for (c, (path, spans)) in paths.iter().zip(spans).enumerate() {
+        for s in spans {
+            let mean = path[s.first..=s.last].iter().sum::<Vec3>() / (s.last - s.first + 1) as f64;
+            (s.first..=s.last).for_each(|i| out[i][c] = Some([mean.x, mean.z]));
+        }
+    }
+    out
+}
+
+/// Points that share the weight: the mean number of those in a phase, where any is.
+fn standing_on(anchors: &[Vec<Option<[f64; 2]>>]) -> usize {
+    let counts: Vec<usize> = anchors.iter().map(|a| a.iter().flatten().count()).filter(|&n| n > 0).collect();
+    ((counts.iter().sum::<usize>() as f64 / counts.len().max(1) as f64).round() as usize).max(1)
+}
+
+/// Radius of gyration about X in the rest pose, m.
+fn gyration(puppet: &Puppet) -> f64 {
+    let c = &puppet.character;
+    let model = Model::new(c, Vec3::zeros());
+    let mut state = State::new(&model);
+    state.update_pose(&model, &c.rest);
+    let (mass, _, inertia) = state.composites(&model)[0];
+    (inertia[(0, 0)] / mass).sqrt()
+}
+
+/// Forces of every frame by central differences.
+fn forces(physics: &mut Physics, clip: &Clip, anchors: &[Vec<Option<[f64; 2]>>]) -> Vec<Forces> {
+    let d = motion::Derivatives::central(clip);
+    let nv = clip.skeleton.nv();
+    (0..clip.frames())
+        .map(|i| {
+            let at = i * nv..(i + 1) * nv;
+            physics.forces(clip.pose(i), &d.v[at.clone()], &d.vd[at], &anchors[i])
+        })
+        .collect()
+}
+
+/// Z_p by component, N².
+fn mismatch(forces: &[Forces], length_m: f64) -> [f64; 6] {
+    let mut out = [0.0; 6];
+    for f in forces {
+        for i in 0..6 {
+            let r = if i < 3 { f.residual[i] } else { f.residual[i] / length_m };
+            out[i] += 0.5 * r * r;
+        }
+    }
+    out
+}
+
+/// Share of the weight by which a force may miss the cone before it counts.
+const CONE_SLACK: f64 = 0.01;
+
+/// Frames with a point in contact whose required force no friction can give.
+fn outside_cone(f: &[Forces], anchors: &[Vec<Option<[f64; 2]>>], mu: f64, weight: f64) -> Vec<usize> {
+    let outside =
+        |f: &Forces| f.required.x.hypot(f.required.z) > mu * f.required.y.max(0.0) + CONE_SLACK * weight;
+    let touching = |i: &usize| anchors[*i].iter().any(Option::is_some);
+    (0..f.len()).filter(touching).filter(|&i| outside(&f[i])).collect()
+}
+
+fn root_way(puppet: &Puppet, a: &[f64], b: &[f64]) -> f64 {
+    let s = &puppet.character.skeleton;
+    (s.position(a, 0) - s.position(b, 0)).norm()
+}
+
+/// Deepest penetration of a clip, m, and the pairs of links that penetrate at all.
+fn collisions(solids: &Solids, clip: &Clip) -> (f64, Vec<(usize, Option<usize>)>) {
+    let (mut deepest, mut pairs) = (0.0f64, Vec::new());
+    let mut k = Kinematics::new(&clip.skeleton, &clip.skeleton.zero_pose());
+    let mut found = Vec::new();
+    for i in 0..clip.frames() {
+        k.update(&clip.skeleton, clip.pose(i));
+        found.clear();
+        solids.touches(&k, &mut found);
+        for t in found.iter().filter(|t| t.depth_m > TOUCH_M) {
+            deepest = deepest.max(t.depth_m);
+            let pair = (t.first.0, t.second.map(|s| s.0));
+            if !pairs.contains(&pair) {
+                pairs.push(pair);
+            }
+        }
+    }
+    (deepest, pairs)
+}
+
+/// Degrees of freedom between two links of each pair, or between a link and the root.
+fn joints_between(puppet: &Puppet, pairs: &[(usize, Option<usize>)]) -> Vec<usize> {
+    let s = &puppet.character.skeleton;
+    let chain = |link: usize| {
+        let (mut out, mut up) = (Vec::new(), Some(link));
+        while let Some(l) = up {
+            out.push(l);
+            up = s.links()[l].parent;
+        }
+        out
+    };
+    let mut links: Vec<usize> = Vec::new();
+    for &(a, b) in pairs {
+        let (a, b) = (chain(a), b.map(chain).unwrap_or_default());
+        links.extend(a.iter().filter(|l| !b.contains(l)));
+        links.extend(b.iter().filter(|l| !a.contains(l)));
+    }
+    links.retain(|&l| l != 0);
+    links.sort_unstable();
+    links.dedup();
+    // arms give way to legs that stand
+    let stands = |l: &usize| puppet.contacts.iter().any(|c| chain(s.sites()[c.site].link).contains(l));
+    if links.iter().any(|l| !stands(l)) {
+        links.retain(|l| !stands(l));
+    }
+    links.iter().flat_map(|&l| s.v_at(l)..s.v_at(l) + s.links()[l].joint.nv()).collect()
+}
+
+/// Degrees of freedom that the physics may move.
+fn chosen(puppet: &Puppet, dofs: &RefineDofs) -> Result<Vec<usize>, RetargetError> {
+    let c = &puppet.character;
+    let s = &c.skeleton;
+    if s.links()[0].joint != Joint::Free {
+        let (character, link) = (c.name.clone(), s.links()[0].name.clone());
+        return Err(RetargetError::Root { character, link });
+    }
+    // along Y of the root's zero frame: up, unless a file turned that frame
+    let up = s.links()[0].parent_from_zero.rotation.inverse() * Vec3::y();
+    let height = up.iamax();
+    let of_link = |l: usize| s.v_at(l)..s.v_at(l) + s.links()[l].joint.nv();
+    let mut out: Vec<usize> = match dofs {
+        RefineDofs::RootHeight => vec![height],
+        RefineDofs::RootAndLegs => {
+            let mut all: Vec<usize> = (0..6).collect();
+            for p in &puppet.contacts {
+                let mut up = Some(s.sites()[p.site].link);
+                while let Some(l) = up {
+                    all.extend(of_link(l));
+                    up = s.links()[l].parent;
+                }
+            }
+            all
+        }
+        RefineDofs::Links(names) => {
+            let mut all = vec![height];
+            for name in names {
+                let known = s.links().iter().map(|l| l.name.as_str());
+                let fault = || RetargetError::RefineLink { name: name.clone(), hint: hint(name, known) };
+                all.extend(of_link(s.link(name).ok_or_else(fault)?));
+            }
+            all
+        }
+    };
+    out.sort_unstable();
+    out.dedup();
+    Ok(out)
+}

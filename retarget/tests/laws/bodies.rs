@@ -1,0 +1,124 @@
+//! Bodies and clips that the laws are tried on.
+
+use std::path::Path;
+use std::sync::Arc;
+
+use dynamics::{Body, Character};
+use motion::format::bvh::{self, ImportOptions};
+use motion::{Clip, Kinematics, Limits, Shape, Skeleton, Smoothing, Transform, Vec3};
+use retarget::{ContactPoint, Follow, KeyPose, KeyPoses, Performer, Puppet};
+
+/// A clip of `../shared/mocap`, at 30 Hz, smoothed, on the performer's skeleton with the ground at 0.
+pub fn mocap(name: &str) -> (Performer, Clip) {
+    let path = format!("{}/../../shared/mocap/bvh/{name}.bvh", env!("CARGO_MANIFEST_DIR"));
+    let options = ImportOptions { metres_per_unit: Some(0.0564444), ..ImportOptions::default() };
+    let (clip, _) = bvh::read_file(Path::new(&path), &options).unwrap();
+    let performer = Performer::of_clip(&clip).unwrap();
+    let human = retarget::prepare(&clip, &performer, Some(30.0), Smoothing::Auto, None).unwrap();
+    (performer, human)
+}
+
+/// The same body at another size: lengths × `size`, masses × `size³`, with legs longer by `legs` more; no limits.
+pub fn scaled(c: &Character, size: f64, legs: f64) -> Character {
+    let s = &c.skeleton;
+    let in_leg: Vec<f64> = (0..s.links().len())
+        .map(|i| if c.legs().any(|l| under(s, i, l.upper) && i != l.upper) { size * legs } else { size })
+        .collect();
+    let links = s.links().iter().enumerate().map(|(i, l)| {
+        let mut l = l.clone();
+        l.parent_from_zero = Transform::from_parts(
+            (l.parent_from_zero.translation.vector * in_leg[i]).into(),
+            l.parent_from_zero.rotation,
+        );
+        l.end = l.end.map(|e| e * size);
+        l.limits = None::<Limits>;
+        l
+    });
+    let sites = s.sites().iter().cloned().map(|mut site| {
+        site.at *= size;
+        site
+    });
+    let skeleton = Skeleton::new(links.collect()).unwrap();
+    let skeleton = skeleton.with_sites(sites.collect()).unwrap().with_limbs(s.limbs().to_vec()).unwrap();
+    let shape = |x: &Shape| match *x {
+        Shape::Capsule { a, b, radius } => Shape::Capsule { a: a * size, b: b * size, radius: radius * size },
+        Shape::Box { center, half, rotation } => {
+            Shape::Box { center: center * size, half: half * size, rotation }
+        }
+        Shape::Sphere { center, radius } => Shape::Sphere { center: center * size, radius: radius * size },
+        Shape::Cone { .. } => panic!("a human has no cones"),
+    };
+    let body = |b: &Body| Body {
+        mass: b.mass * size.powi(3),
+        com: b.com * size,
+        inertia: b.inertia * size.powi(5),
+        shapes: b.shapes.iter().map(shape).collect(),
+    };
+    let mut rest = c.rest.clone();
+    (0..3).for_each(|i| rest[s.q_at(0) + i] *= size);
+    Character {
+        name: format!("{} × {size}", c.name),
+        skeleton: Arc::new(skeleton),
+        bodies: c.bodies.iter().map(body).collect(),
+        classes: c.classes.clone(),
+        contacts: c.contacts.clone(),
+        rest,
+    }
+    .check()
+    .unwrap()
+}
+
+fn under(s: &Skeleton, link: usize, top: usize) -> bool {
+    let mut up = Some(link);
+    while let Some(u) = up {
+        if u == top {
+            return true;
+        }
+        up = s.links()[u].parent;
+    }
+    false
+}
+
+/// A puppet whose contact points follow the human ones of the same name.
+pub fn puppet(c: Character) -> Puppet {
+    let contact = |&site: &usize| ContactPoint {
+        site,
+        human: vec![c.skeleton.sites()[site].name.clone()],
+        follow: Follow::Any,
+    };
+    let contacts = c.contacts.iter().map(contact).collect();
+    Puppet::new(c, contacts).unwrap()
+}
+
+/// The joint angles of a clip on a body of the same topology, the root's place times `size` and as high as feet on the
+/// ground want it.
+pub fn same_angles(clip: &Clip, c: &Character, size: f64) -> Clip {
+    let (mut q, nq) = (clip.data().to_vec(), clip.skeleton.nq());
+    let lowest = |s: &Skeleton, pose: &[f64]| {
+        let k = Kinematics::new(s, pose);
+        let height = |&i: &usize| k.point(s.sites()[i].link, &s.sites()[i].at).y;
+        c.contacts.iter().map(height).fold(f64::INFINITY, f64::min)
+    };
+    let mut off = Vec::new();
+    for pose in q.chunks_exact_mut(nq) {
+        let human = lowest(&clip.skeleton, pose);
+        let p: Vec3 = clip.skeleton.position(pose, 0) * size;
+        clip.skeleton.set_position(pose, 0, &p);
+        off.push(lowest(&c.skeleton, pose) - human * size);
+    }
+    off.sort_by(f64::total_cmp);
+    let lower = off[off.len() / 2];
+    q.chunks_exact_mut(nq).for_each(|pose| pose[c.skeleton.q_at(0) + 1] -= lower);
+    Clip::new(c.skeleton.clone(), clip.rate_hz, q)
+}
+
+/// Every `step`-th frame of a clip paired with the same angles on the puppet.
+pub fn key_poses(performer: &Performer, human: &Clip, puppet: &Puppet, size: f64, step: usize) -> KeyPoses {
+    let own = same_angles(human, &puppet.character, size);
+    let performer = Arc::new(performer.clone());
+    let pair = |i: usize| {
+        let name = format!("frame {i}");
+        KeyPose::of_frame(&name, "clip", &performer, human, i, 0.0, own.pose(i).to_vec()).unwrap()
+    };
+    KeyPoses { pairs: (0..human.frames()).step_by(step).map(pair).collect() }
+}

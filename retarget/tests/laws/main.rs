@@ -1,0 +1,9 @@
+//! The laws of every stage.
+
+mod bodies;
+mod contacts;
+mod errors;
+mod fit;
+mod global;
+mod live;
+mod refine;

@@ -1,0 +1,76 @@
+//! Physics refinement.
+
+use motion::Clip;
+use retarget::contacts::{Phase, adjust, phases};
+use retarget::global_transform::{global_transform, in_local_frame};
+use retarget::refine::refine;
+use retarget::{
+    ContactOptions, GlobalOptions, Puppet, RefineDofs, RefineOptions, RefinementReport, SizeRatio,
+};
+
+use crate::bodies::{mocap, puppet, same_angles, scaled};
+
+/// A clip with its contacts held, on a body of other proportions.
+fn held(clip: &str, size: f64, legs: f64) -> (Puppet, Clip, Vec<Phase>) {
+    let (performer, human) = mocap(clip);
+    let puppet = puppet(scaled(&performer.character, size, legs));
+    let local = in_local_frame(&same_angles(&human, &puppet.character, size), &puppet.features.root);
+    let options = GlobalOptions { size: SizeRatio::Fixed(size * legs), ..GlobalOptions::default() };
+    let (moved, _) = global_transform(&performer, &human, &puppet, &local, &options);
+    let found = phases::find(&performer, &human, &puppet, &ContactOptions::default()).unwrap();
+    let (held, _) = adjust(&puppet, &moved, &found).unwrap();
+    (puppet, held, found)
+}
+
+/// Shares by which Z_p falls: vertical, all.
+fn falls(r: &RefinementReport) -> (f64, f64) {
+    let sum = |x: &[f64; 6]| x.iter().sum::<f64>();
+    (1.0 - r.after[1] / r.before[1], 1.0 - sum(&r.after) / sum(&r.before))
+}
+
+const CLIPS: [(&str, f64, f64); 4] =
+    [("14_37", 0.7, 1.0), ("127_01", 1.0, 1.0), ("16_21", 0.6, 0.8), ("16_21", 1.0, 1.0)];
+
+fn say(what: &str, r: &RefinementReport) {
+    let each: Vec<f64> = (0..6).map(|c| (100.0 * (1.0 - r.after[c] / r.before[c])).round()).collect();
+    println!(
+        "{what}: {each:?} % {:?}, root {:.1} / {:.1} mm, slip {:.2} mm, cone {} → {}, touch {:.1} → {:.1} mm, {} steps",
+        falls(r),
+        1e3 * r.root_median_m,
+        1e3 * r.root_largest_m,
+        1e3 * r.slip_m,
+        r.cone_before.len(),
+        r.cone_after.len(),
+        1e3 * r.collision_m[0],
+        1e3 * r.collision_m[1],
+        r.iterations
+    );
+}
+
+/// With the root's height alone the vertical force comes to match.
+#[test]
+fn the_root_s_height_matches_the_vertical_force() {
+    for (clip, size, legs) in CLIPS {
+        let (puppet, held, found) = held(clip, size, legs);
+        let variance = vec![4e-4; held.frames()];
+        let options = RefineOptions { collisions: false, ..RefineOptions::default() };
+        let (_, r) = refine(&puppet, &held, &found, &variance, &options).unwrap();
+        say(&format!("{clip} × {size}, height"), &r);
+        assert!(falls(&r).0 >= 0.8, "{clip}"); // 88 % seen of a walk, 99.9 % of standing
+        assert!(r.root_median_m <= 0.02 && r.slip_m <= 2e-3);
+    }
+}
+
+/// With root and legs, all six components.
+#[test]
+fn root_and_legs_match_all_six() {
+    for (clip, size, legs) in CLIPS {
+        let (puppet, held, found) = held(clip, size, legs);
+        let variance = vec![4e-4; held.frames()];
+        let options = RefineOptions { dofs: RefineDofs::RootAndLegs, ..RefineOptions::default() };
+        let (_, r) = refine(&puppet, &held, &found, &variance, &options).unwrap();
+        say(&format!("{clip} × {size}, root and legs"), &r);
+        assert!(falls(&r).1 >= 0.8, "{clip}"); // 91 % seen of a walk, 99.9 % of standing
+        assert!(r.root_median_m <= 0.02 && r.slip_m <= 2e-3);
+    }
+}

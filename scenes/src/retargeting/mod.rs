@@ -1,0 +1,276 @@
+//! Human motion put on a character, from files.
+//!
+//! In: a performance (a scene of the human figure, or a BVH clip), a character file, a file of key poses. Out: a
+//! [`Session`], which runs the pipeline of `retarget` and names moments whose poses are worth making.
+//!
+//! ```text
+//! performance ─┐
+//! character   ─┼─→ Session ─→ run ─→ Retargeted ─→ Stage, files
+//! key poses   ─┘         └─→ guess, a first pose for a moment
+//! ```
+
+pub mod compare;
+pub mod key_pose_file;
+pub mod report;
+
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+use motion::Clip;
+use motion::format::bvh::ImportOptions;
+use retarget::{Mapping, Options, Performer, Puppet, RetargetError, Retargeted};
+
+use crate::character_file::{self, CharacterFile};
+use crate::{SceneError, Stage, StageError, stage};
+
+pub use key_pose_file::KeyPoseFile;
+pub use report::RetargetReport;
+
+/// Why nothing can be put on a character.
+#[derive(Debug, thiserror::Error)]
+pub enum RetargetingError {
+    /// A file of a person.
+    #[error(transparent)]
+    Scene(#[from] SceneError),
+    /// The performance.
+    #[error(transparent)]
+    Stage(#[from] StageError),
+    /// The request as a whole.
+    #[error("{path}: {source}")]
+    Retarget {
+        /// The file it is about.
+        path: String,
+        /// What is wrong.
+        source: Box<RetargetError>,
+    },
+    /// No key poses were named, and none lie where they are looked for.
+    #[error("no key poses for `{character}`: {} does not exist\n  help: name a file of key poses with --keyposes FILE.ron", .looked.display())]
+    NoKeyPoses {
+        /// The character.
+        character: String,
+        /// Where they were looked for.
+        looked: PathBuf,
+    },
+    /// A moment that the performance does not have.
+    #[error("{path}: no frame at {at_s} s; the performance runs from 0 to {end_s:.3} s")]
+    Moment {
+        /// The performance.
+        path: String,
+        /// Moment asked for, s.
+        at_s: f64,
+        /// Its last, s.
+        end_s: f64,
+    },
+}
+
+/// A human motion and whose it is.
+#[derive(Clone, Debug)]
+pub struct Performance {
+    /// Name of the file.
+    pub name: String,
+    /// The motion, on the performer's skeleton.
+    pub clip: Clip,
+    /// The body with its feature points.
+    pub performer: Arc<Performer>,
+    /// Height of the ground, m.
+    pub ground_m: f64,
+    /// How film strips of it are drawn.
+    pub strip: crate::schema::StripRon,
+    /// What was read and guessed of a BVH file; `None` for a scene.
+    pub clip_source: Option<stage::ClipSource>,
+}
+
+impl Performance {
+    /// Opens a scene or a clip.
+    ///
+    /// # Errors
+    /// Anything wrong with the file; a body that is not human.
+    pub fn open(path: &Path, import: &ImportOptions) -> Result<Self, RetargetingError> {
+        let stage = stage::open(path, None, import)?;
+        let performer = Performer::new(stage.character.as_ref().clone()).map_err(|source| {
+            RetargetingError::Retarget { path: path.display().to_string(), source: Box::new(source) }
+        })?;
+        Ok(Self {
+            name: stage.name,
+            clip: stage.kinematic,
+            performer: Arc::new(performer),
+            ground_m: stage.physics.ground.map_or(0.0, |g| g.height_m),
+            strip: stage.strip,
+            clip_source: stage.clip,
+        })
+    }
+
+    /// Makes the sites that the puppet's contact points follow contact points of the performer, if they are not:
+    /// a hand counts as touching the ground only for bodies that walk on theirs.
+    pub fn make_counterparts(&mut self, puppet: &Puppet) {
+        let names: Vec<&String> = puppet.contacts.iter().flat_map(|c| &c.human).collect();
+        let body = &self.performer.character;
+        let sites = body.skeleton.sites().iter().enumerate();
+        let new = sites.filter(|(i, s)| names.contains(&&s.name) && !body.contacts.contains(i));
+        let new: Vec<usize> = new.map(|(i, _)| i).collect();
+        if !new.is_empty() {
+            // the feature points stay those of a body without them
+            Arc::make_mut(&mut self.performer).character.contacts.extend(new);
+        }
+    }
+
+    /// The frame at a moment (s).
+    ///
+    /// # Errors
+    /// Before the first or after the last.
+    pub fn frame(&self, at_s: f64) -> Result<usize, RetargetingError> {
+        let frame = (at_s * self.clip.rate_hz).round();
+        if frame >= 0.0 && frame < self.clip.frames() as f64 {
+            return Ok(frame as usize);
+        }
+        Err(RetargetingError::Moment { path: self.name.clone(), at_s, end_s: self.clip.duration_s() })
+    }
+}
+
+/// A character that can be given a human motion.
+#[derive(Clone, Debug)]
+pub struct Actor {
+    /// What its file says.
+    pub file: CharacterFile,
+    /// The body with its markers and contact points.
+    pub puppet: Puppet,
+    /// The file.
+    pub path: PathBuf,
+}
+
+impl Actor {
+    /// Reads a character and checks that it can be given a human motion.
+    ///
+    /// # Errors
+    /// Anything wrong with the file; no contact point with a human counterpart.
+    pub fn open(path: &Path) -> Result<Self, RetargetingError> {
+        let file = character_file::read_file(path)?;
+        let puppet = Puppet::new(file.character.clone(), file.follows.clone()).map_err(|source| {
+            RetargetingError::Retarget { path: path.display().to_string(), source: Box::new(source) }
+        })?;
+        Ok(Self { file, puppet, path: path.into() })
+    }
+
+    /// Where its key poses are looked for: `keyposes/NAME.ron` beside the folder of characters.
+    pub fn key_poses_beside(&self) -> PathBuf {
+        let folder = self.path.parent().unwrap_or(Path::new(""));
+        let name = self.path.file_name().unwrap_or_default();
+        folder.join("../keyposes").join(name)
+    }
+}
+
+/// A performance, the character that gets it, and the key poses between them.
+#[derive(Clone, Debug)]
+pub struct Session {
+    /// The human motion.
+    pub performance: Performance,
+    /// The character.
+    pub actor: Actor,
+    /// The pairs.
+    pub key_poses: KeyPoseFile,
+}
+
+impl Session {
+    /// Opens everything; `key_poses` default to those that lie beside the character.
+    ///
+    /// # Errors
+    /// [`RetargetingError`].
+    pub fn open(
+        performance: &Path,
+        character: &Path,
+        key_poses: Option<&Path>,
+        import: &ImportOptions,
+    ) -> Result<Self, RetargetingError> {
+        let actor = Actor::open(character)?;
+        let mut performance = Performance::open(performance, import)?;
+        performance.make_counterparts(&actor.puppet);
+        let beside = actor.key_poses_beside();
+        let path = match key_poses {
+            Some(path) => path,
+            None if beside.is_file() => &beside,
+            None => {
+                let character = actor.file.character.name.clone();
+                return Err(RetargetingError::NoKeyPoses { character, looked: beside });
+            }
+        };
+        let key_poses = key_pose_file::read(path, &actor.puppet)?;
+        Ok(Self { performance, actor, key_poses })
+    }
+
+    /// Learns the mapping.
+    ///
+    /// # Errors
+    /// A model that cannot be learned from these pairs, with their file.
+    pub fn learn(&self, options: &Options) -> Result<Mapping, RetargetingError> {
+        let pairs = &self.key_poses.key_poses;
+        Mapping::learn(&self.actor.puppet, pairs, options.model, options.latent).map_err(|source| {
+            RetargetingError::Retarget {
+                path: self.key_poses.path.display().to_string(),
+                source: Box::new(source),
+            }
+        })
+    }
+
+    /// Runs the pipeline with a mapping learned from the same key poses.
+    ///
+    /// # Errors
+    /// [`RetargetError`], with the performance's name.
+    pub fn run(&self, mapping: &Mapping, options: &Options) -> Result<Retargeted, RetargetingError> {
+        let Performance { clip, performer, .. } = &self.performance;
+        let options =
+            Options { ground_m: options.ground_m.or(Some(self.performance.ground_m)), ..options.clone() };
+        retarget::run_with(mapping, clip, performer, &self.actor.puppet, &options)
+            .map_err(|source| self.fault(source))
+    }
+
+    /// Up to `count` moments of the motion whose poses the model would learn most from, the most wanted first.
+    ///
+    /// # Errors
+    /// As [`Mapping::suggest`].
+    pub fn suggest(
+        &self,
+        mapping: &Mapping,
+        done: &Retargeted,
+        count: usize,
+    ) -> Result<Vec<report::Suggestion>, RetargetingError> {
+        let frames = mapping
+            .suggest(&self.performance.performer, &done.human, count)
+            .map_err(|source| self.fault(source))?;
+        let suggestion = |frame: usize| report::Suggestion {
+            at_s: frame as f64 / done.clip.rate_hz,
+            confidence: done.mapping.confidence[frame],
+        };
+        Ok(frames.into_iter().map(suggestion).collect())
+    }
+
+    pub(crate) fn fault(&self, source: RetargetError) -> RetargetingError {
+        RetargetingError::Retarget { path: self.performance.name.clone(), source: Box::new(source) }
+    }
+
+    /// The result as a stage: it can be drawn, written and performed as any clip.
+    pub fn stage(&self, done: &Retargeted) -> Stage {
+        let mut stage = Stage::of_clip(
+            format!("{}-{}", self.performance.name, self.actor.file.character.name),
+            self.actor.puppet.character.clone(),
+            done.clip.clone(),
+        );
+        stage.colors.clone_from(&self.actor.file.colors);
+        stage.strip = self.performance.strip;
+        stage
+    }
+}
+
+/// A first guess for a key pose: the line of a key-pose file for the moment `at_s` (s) of a performance.
+///
+/// # Errors
+/// A moment that the performance does not have; no eyes to look with.
+pub fn guess(performance: &Performance, actor: &Actor, at_s: f64) -> Result<String, RetargetingError> {
+    let frame = performance.frame(at_s)?;
+    let fault =
+        |source| RetargetingError::Retarget { path: performance.name.clone(), source: Box::new(source) };
+    let skeleton = &performance.performer.character.skeleton;
+    let mut human = performance.clip.pose(frame).to_vec();
+    human[skeleton.q_at(0) + 1] -= performance.ground_m;
+    let q = retarget::guess(&performance.performer, &human, &actor.puppet).map_err(fault)?;
+    Ok(key_pose_file::line(&actor.file.character, &performance.name, at_s, &q))
+}
