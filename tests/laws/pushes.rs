@@ -81,6 +81,7 @@ fn weight_shift_keeps_the_feet_in_a_push_to_the_side() {
         for weight_shift in [true, false] {
             let mut pass = perform(&c, &tracks, RootMode::Free, 120.0, 2);
             pass.setup.balance.weight_shift = weight_shift;
+            pass.setup.balance.hip = false; // which alone would halve the slip
             let force = Vec3::x() * newtons;
             pass.pushes.push(Push { link, at: Vec3::zeros(), force, start_s: 0.5, duration_s: 0.1 });
             let out = run(pass);

@@ -119,7 +119,7 @@ impl Default for BalanceSettings {
             weight_yield: 1.0,
             least_share: 0.25,
             hip: true,
-            hip_gain: 2.0,
+            hip_gain: 1.5,
             hip_moment_nm: 150.0,
             hip_side_moment_nm: 50.0,
             hip_stroke_rad: 0.7,
