@@ -290,7 +290,7 @@ fn a_clip_that_steps() {
     let place = Place::new();
     let clip =
         std::path::Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../../shared/mocap/bvh/127_04.bvh"));
-    let done = place.render(clip, &["--root", "free", "--no-plots"]);
+    let done = place.render(clip, &["--root", "free"]);
     assert_eq!(done.code, 0, "{}", done.stderr);
     for word in ["its standing span performed", "the body stands", "steps: leg_l, leg_r; not performed"] {
         assert!(done.stdout.contains(word), "`{word}` is not in\n{}", done.stdout);
@@ -306,7 +306,7 @@ fn a_clip_that_steps() {
     assert!(place.at("out/span_1/dynamic.bvh").exists() && !place.at("out/dynamic.bvh").exists());
 
     // the standing part alone is an ordinary run; beyond the clip there is none
-    let done = place.render(clip, &["--root", "free", "--span", "0..1.4", "--no-plots"]);
+    let done = place.render(clip, &["--root", "free", "--span", "0..1.4"]);
     assert_eq!(done.code, 0, "{}", done.stderr);
     assert!(place.at("out/dynamic.bvh").exists() && !place.at("out/span_1").exists());
     let done = place.render(clip, &["--span", "1..9"]);
