@@ -9,7 +9,7 @@
 
 use dynamics::{Character, JointClass};
 use motion::support::Vec2;
-use motion::{Clip, Kinematics, Vec3};
+use motion::{Clip, Joint, Kinematics, Vec3};
 
 use crate::camera::{Camera, facing};
 use crate::figure::{Anchor, Figure, Px};
@@ -201,7 +201,8 @@ pub(crate) fn painted(
             *tint = Color(red, green, blue);
         }
     }
-    draw(k, character, camera, ground, &tints, &groups(character, &tints))
+    let colored = options.colors.iter().any(Option::is_some);
+    draw(k, character, camera, ground, &tints, &groups(character, &tints, colored))
 }
 
 pub(crate) fn posed(clip: &Clip, t: f64) -> Kinematics {
@@ -237,8 +238,9 @@ fn tints(character: &Character) -> Vec<Color> {
 }
 
 /// A group per link: links of one tint that hang together are one, but a head is its own, so that it
-/// stands out before the chest it bows over.
-fn groups(character: &Character, tints: &[Color]) -> Vec<usize> {
+/// stands out before the chest it bows over. A character in its own colours has no sides to tell limbs by:
+/// `limbs` parts them by what their joints are.
+fn groups(character: &Character, tints: &[Color], limbs: bool) -> Vec<usize> {
     let links = character.skeleton.links();
     let neck = |link: usize| character.classes[link] == JointClass::Neck;
     let mut group = vec![0; links.len()];
@@ -246,7 +248,10 @@ fn groups(character: &Character, tints: &[Color]) -> Vec<usize> {
     for (i, link) in links.iter().enumerate().skip(1) {
         let parent = link.parent.unwrap_or(0);
         let head = neck(i) && neck(parent);
-        if tints[i] == tints[parent] && (!head || group[parent] != 0) {
+        let limb = limbs
+            && (matches!(character.classes[i], JointClass::Shoulder | JointClass::Hip)
+                || neck(i) && !neck(parent));
+        if tints[i] == tints[parent] && !limb && (!head || group[parent] != 0) {
             group[i] = group[parent];
         } else {
             group[i] = count;
@@ -288,11 +293,12 @@ fn draw(
         }
         ends[link] = before.filter(|_| spine(link));
     }
-    groups.retain(|g| !g.solids.is_empty());
-    for g in &mut groups {
+    for g in groups.iter_mut().filter(|g| !g.solids.is_empty()) {
         g.near = g.solids.iter().map(|s| s.near).sum::<f64>() / g.solids.len() as f64;
         g.solids.sort_by(|a, b| a.near.total_cmp(&b.near));
     }
+    over_what_they_paint(k, character, camera, group_of, &mut groups);
+    groups.retain(|g| !g.solids.is_empty());
     groups.sort_by(|a, b| a.near.total_cmp(&b.near));
     // what is far is a little paler
     let far = groups.first().map_or(0.0, |g| g.near);
@@ -303,6 +309,31 @@ fn draw(
         facets.for_each(|f| f.color = f.color.mix(WHITE, haze));
     }
     Frame { groups, shadows }
+}
+
+/// Draws what is welded to a link (a belly, eyes, a bulb) right over its group, or right under it if it is on the
+/// far side of that link: where the middles of the groups are does not say which.
+fn over_what_they_paint(
+    k: &Kinematics,
+    character: &Character,
+    camera: &Camera,
+    group_of: &[usize],
+    groups: &mut [Group],
+) {
+    let near = |link: usize| {
+        let points =
+            character.bodies[link].shapes.iter().flat_map(|s| crate::solid::hull_points(s, &k.world[link]));
+        let (sum, count) = points.fold((0.0, 0.0), |(s, n), p| (s + camera.see(&p).z, n + 1.0));
+        if count > 0.0 { sum / count } else { camera.see(&k.origin(link)).z }
+    };
+    for (i, link) in character.skeleton.links().iter().enumerate() {
+        let Some(parent) = link.parent.filter(|&p| link.joint == Joint::Fixed && group_of[p] != group_of[i])
+        else {
+            continue;
+        };
+        let side = if near(i) >= near(parent) { 1e-6 } else { -1e-6 };
+        groups[group_of[i]].near = groups[group_of[parent]].near + side * (1.0 + i as f64);
+    }
 }
 
 impl Frame {
