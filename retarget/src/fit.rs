@@ -25,7 +25,7 @@ use crate::limits::way_back;
 /// Most steps for one frame.
 const STEPS: usize = 40;
 /// A step that lowers the cost by less than this share is the last.
-const ENOUGH: f64 = 1e-9;
+const ENOUGH: f64 = 1e-6;
 /// Weight of a radian beyond a limit against the points, in radii of the body.
 const LIMIT: f64 = 10.0;
 

@@ -7,10 +7,9 @@
 //!   heading leaks towards the human's with the time constant 1/(2π f) of [`GlobalOptions::drift_hz`];
 //! - contacts: a point is down from the frame in which its human counterparts are; its place is where it is then, on
 //!   the floor. What separates it from there, in position and rate, dies out over [`LAND_S`], and after lift-off what
-//!   separates it from its own path over [`LEAVE_S`], by the quintic
+//!   separates it from its own path over [`LEAVE_S`], by the quintic below. Points of one link that land one after the
+//!   other keep their distances:
 //!   `x₀ (1 − s)³(1 + 3s + 6s²) + ẋ₀ T s(1 − s)³(1 + 3s)`: position and rate never jump.
-//!
-//! Nothing allocates after the first frame but what the regressor needs.
 //!
 //! [`GlobalOptions::drift_hz`]: crate::GlobalOptions::drift_hz
 
@@ -210,8 +209,10 @@ impl<'m> Live<'m> {
         self.place(human);
         self.contacts(human);
         self.goals();
-        let (goals, down) = (&self.goals, &self.down);
-        self.reach.solve(&self.world, &|c| (goals[c], down[c]), &mut self.pose);
+        // a point that is still landing gives way to those of its link that have landed
+        let (goals, down, points) = (&self.goals, &self.down, &self.points);
+        let rests = |c: usize| down[c] && points[c].since_s >= LAND_S;
+        self.reach.solve(&self.world, &|c| (goals[c], rests(c)), &mut self.pose);
         self.frames += 1;
         Ok(LiveFrame { pose: &self.pose, mapped, down: &self.down })
     }
@@ -259,7 +260,9 @@ impl<'m> Live<'m> {
     /// Where the puppet's points have to be.
     fn goals(&mut self) {
         self.own_k.update(&self.puppet.character.skeleton, &self.world);
-        for (i, p) in self.points.iter_mut().enumerate() {
+        for i in 0..self.points.len() {
+            let (earlier, later) = self.points.split_at_mut(i);
+            let Some((p, later)) = later.split_first_mut() else { continue };
             let own = self.own_k.point(p.link, &p.at);
             let down = follows(p.follow, &p.groups, |c| self.human_down[c]);
             let first = self.frames == 0;
@@ -273,6 +276,11 @@ impl<'m> Live<'m> {
                 let own_rate = if first { Vec3::zeros() } else { (own - p.own) / self.dt };
                 if down {
                     p.place = Vec3::new(now.x, 0.0, now.z);
+                    let resting = earlier.iter().zip(&self.down).chain(later.iter().zip(&self.down[i + 1..]));
+                    let siblings = resting.filter(|(o, down)| **down && o.link == p.link).map(|(o, _)| o);
+                    let siblings: Vec<(Vec3, f64)> =
+                        siblings.map(|o| (o.place, (o.at - p.at).norm())).collect();
+                    p.place = fitted(p.place, &siblings);
                     (p.offset, p.rate) = (now - p.place, rate);
                 } else {
                     (p.offset, p.rate) = (now - own, rate - own_rate);
@@ -288,6 +296,19 @@ impl<'m> Live<'m> {
             (p.own, p.goal, self.goals[i], self.down[i]) = (own, goal, goal, down);
         }
     }
+}
+
+/// A place on the floor at the given distances from others, near `place`.
+fn fitted(mut place: Vec3, others: &[(Vec3, f64)]) -> Vec3 {
+    for _ in 0..100 {
+        for (other, length) in others {
+            let way = place - other;
+            if way.norm() > 1e-9 {
+                place = other + way * (length / way.norm());
+            }
+        }
+    }
+    place
 }
 
 /// What is left of a point's offset.

@@ -64,7 +64,7 @@ pub struct ContactOptions {
 
 impl Default for ContactOptions {
     fn default() -> Self {
-        Self { height_m: 0.05, speed_m_s: 0.6, shortest_s: 0.1, phases: None }
+        Self { height_m: 0.025, speed_m_s: 0.6, shortest_s: 0.1, phases: None }
     }
 }
 

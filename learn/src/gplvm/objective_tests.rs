@@ -32,8 +32,7 @@ fn gradient_matches_differences_in_every_block() {
             worst[block] = worst[block].max(error);
         }
     }
-    println!("worst {worst:?}");
-    // X, Φ_Y, Φ_Z: 3e-9, 1e-9, 2e-9 seen.
+    // X, Φ_Y, Φ_Z: 6e-8, 2e-9, 3e-8 seen.
     assert!(worst.iter().all(|w| *w < 1e-6), "{worst:?}");
 }
 

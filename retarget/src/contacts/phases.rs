@@ -166,7 +166,7 @@ pub fn spans(puppet: &Puppet, phases: &[Phase], clip: &Clip) -> Result<Vec<Vec<S
         let Some(point) = names.iter().position(|n| *n == p.point) else {
             return Err(fault("the character has no contact point of this name"));
         };
-        if !(p.from_s <= p.to_s) {
+        if !p.from_s.is_finite() || !p.to_s.is_finite() || p.from_s > p.to_s {
             return Err(fault("it ends before it begins"));
         }
         // half a frame of grace: written times are rounded

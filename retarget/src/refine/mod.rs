@@ -62,7 +62,9 @@ pub const GRAVITY: f64 = 9.81;
 /// down at 0.1 m/s would lose to the damper no body has to give.
 const DAMPING: f64 = 0.1;
 /// Spacing of the basis functions of the pass against collisions, s: an arm goes round a hip, it does not jump.
-const COLLISION_SPACING_S: f64 = 0.15;
+const COLLISION_SPACING_S: f64 = 0.25;
+/// Most steps of that pass.
+const COLLISION_STEPS: usize = 6;
 /// Penetrations below this are none, m.
 const TOUCH_M: f64 = 0.001;
 
@@ -104,7 +106,11 @@ pub fn refine(
     if options.collisions && before_m > TOUCH_M {
         let dofs = joints_between(puppet, &links);
         if !dofs.is_empty() {
-            let wide = RefineOptions { spacing_s: COLLISION_SPACING_S, ..options.clone() };
+            let wide = RefineOptions {
+                spacing_s: COLLISION_SPACING_S,
+                iterations: options.iterations.min(COLLISION_STEPS),
+                ..options.clone()
+            };
             let setting = Setting { options: &wide, ..setting };
             iterations += Problem::new(setting, &out, dofs, false).solve(&mut out)?;
         }

@@ -95,9 +95,14 @@ impl<'a> Problem<'a> {
             self.linearise(&clip, &w, &mut normal, &mut gradient);
             loop {
                 let mut step: Vec<f64> = gradient.iter().map(|g| -g).collect();
-                normal
-                    .solve(damping, &mut factor, &mut step)
-                    .map_err(|row| RetargetError::Singular { row })?;
+                // overlapping functions are nearly dependent: rounding may need more damping
+                if let Err(row) = normal.solve(damping, &mut factor, &mut step) {
+                    damping *= 10.0;
+                    if damping > 1e6 {
+                        return Err(RetargetError::Singular { row });
+                    }
+                    continue;
+                }
                 let tried: Vec<f64> = w.iter().zip(&step).map(|(a, b)| a + b).collect();
                 let moved = self.displaced(&tried);
                 let lower = self.cost(&moved, &tried);

@@ -6,7 +6,7 @@ use std::sync::Arc;
 use dynamics::{Body, Character};
 use motion::format::bvh::{self, ImportOptions};
 use motion::{Clip, Kinematics, Limits, Shape, Skeleton, Smoothing, Transform, Vec3};
-use retarget::{ContactPoint, Follow, Performer, Puppet};
+use retarget::{ContactPoint, Follow, KeyPose, KeyPoses, Performer, Puppet};
 
 /// A clip of `../shared/mocap`, at 30 Hz, smoothed, on the performer's skeleton with the ground at 0.
 pub fn mocap(name: &str) -> (Performer, Clip) {
@@ -110,4 +110,15 @@ pub fn same_angles(clip: &Clip, c: &Character, size: f64) -> Clip {
     let lower = off[off.len() / 2];
     q.chunks_exact_mut(nq).for_each(|pose| pose[c.skeleton.q_at(0) + 1] -= lower);
     Clip::new(c.skeleton.clone(), clip.rate_hz, q)
+}
+
+/// Every `step`-th frame of a clip paired with the same angles on the puppet.
+pub fn key_poses(performer: &Performer, human: &Clip, puppet: &Puppet, size: f64, step: usize) -> KeyPoses {
+    let own = same_angles(human, &puppet.character, size);
+    let performer = Arc::new(performer.clone());
+    let pair = |i: usize| {
+        let name = format!("frame {i}");
+        KeyPose::of_frame(&name, "clip", &performer, human, i, 0.0, own.pose(i).to_vec()).unwrap()
+    };
+    KeyPoses { pairs: (0..human.frames()).step_by(step).map(pair).collect() }
 }

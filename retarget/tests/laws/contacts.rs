@@ -9,6 +9,7 @@ use crate::bodies::{mocap, puppet, same_angles, scaled};
 /// Slip, depth and jerk of what is held.
 #[test]
 fn points_stay_where_they_touch() {
+    let mut worst: f64 = 0.0;
     for (clip, size, legs) in [
         ("16_21", 1.0, 1.0),
         ("16_21", 0.5, 0.85),
@@ -31,8 +32,9 @@ fn points_stay_where_they_touch() {
             found.len()
         );
         assert_eq!(held.frames(), human.frames());
-        assert!(report.slip_m <= 1e-3, "{report:?}");
-        assert!(report.penetration_m <= 5e-3, "{report:?}");
-        assert!(report.jerk_ratio <= 1.2, "{report:?}");
+        assert!(report.slip_m <= 1e-3, "{report:?}"); // 0.2 mm seen
+        assert!(report.penetration_m <= 5e-3, "{report:?}"); // 2.2 mm seen
+        worst = worst.max(report.jerk_ratio);
     }
+    assert!(worst <= 1.2, "{worst}"); // 1.15 seen
 }

@@ -2,7 +2,8 @@
 
 mod bodies;
 mod contacts;
-mod dump;
+mod errors;
 mod fit;
 mod global;
+mod live;
 mod refine;
