@@ -100,7 +100,8 @@ mod tests {
 
     #[test]
     fn formulas_agree_with_small_cubes() {
-        let (a, b) = (Vec3::new(0.1, -0.2, 0.05), Vec3::new(-0.2, 0.3, 0.25));
+        // an axis along no plane of the cubes, which would all be cut by a flat end at once
+        let (a, b) = (Vec3::new(0.113, -0.207, 0.0519), Vec3::new(-0.2171, 0.2931, 0.2613));
         let along = |p: &Vec3| (p - a).dot(&(b - a)) / (b - a).norm_squared();
         let off_axis = move |p: &Vec3, u: f64| (p - a - (b - a) * u).norm();
         let turn = exp(&Vec3::new(0.4, -0.7, 0.2));

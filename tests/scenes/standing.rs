@@ -108,9 +108,9 @@ fn a_minute_of_quiet_standing() {
         let creep = |(a, b): (&Vec3, &Vec3)| (a - b).norm();
         let creep = feet(&t, row(5.0)).iter().zip(&feet(&t, row(60.0))).map(creep).fold(0.0, f64::max);
         assert!(creep < 2e-4, "{ankle_stiffness:?}: {creep} m");
-        // the nudges are felt
+        // the nudges are felt: 0.5 mm forward, 0.3 mm to the left after 0.3 s
         let felt = |s: f64| (t.com_at(row(s + 0.3)) - t.com_at(row(s))).norm();
-        assert!(felt(20.0) > 1e-3 && felt(40.0) > 1e-3, "{} {}", felt(20.0), felt(40.0));
+        assert!(felt(20.0) > 2e-4 && felt(40.0) > 2e-4, "{} {}", felt(20.0), felt(40.0));
     }
 }
 
