@@ -3,6 +3,9 @@
 use motion::skeleton::Limits;
 use motion::{Joint, Skeleton, Vec3, rotation};
 
+/// Turns below this are rounding, rad.
+const ROUNDING: f64 = 1e-9;
+
 /// The way back to the limits of the joint of `link`: a rotation vector in its zero frame for a ball; in `.x` an angle or
 /// a length for hinges and slides. `None` where the joint is within them.
 pub(crate) fn way_back(skeleton: &Skeleton, q: &[f64], link: usize) -> Option<Vec3> {
@@ -14,8 +17,42 @@ pub(crate) fn way_back(skeleton: &Skeleton, q: &[f64], link: usize) -> Option<Ve
         (Some(Limits::Ball(b)), Joint::Spherical) => {
             let r = skeleton.rotation(q, link);
             let c = b.clamp(&r);
-            (c != r).then(|| rotation::log(&(c * r.inverse())))
+            // clamping rounds: what is within the limits comes back a few ulps away, or exactly, without a direction
+            Some(rotation::log(&(c * r.inverse()))).filter(|e| e.norm() > ROUNDING)
         }
         _ => None,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use motion::skeleton::{BallLimits, Range};
+    use motion::{Link, Quat};
+
+    use super::*;
+
+    /// At and inside the limits there is no way back; outside it leads to them. Every way has a direction.
+    #[test]
+    fn rounding_has_no_direction() {
+        let ranges = [Range::new(-0.5, 0.7), Range::new(-0.3, 0.4), Range::new(-0.9, 0.2)];
+        let limits = BallLimits { axes: [Vec3::x(), Vec3::y(), Vec3::z()], ranges };
+        let mut link = Link::new("neck", None, Vec3::zeros(), Joint::Spherical);
+        link.limits = Some(Limits::Ball(limits));
+        let skeleton = Skeleton::new(vec![link]).unwrap();
+        let mut q = skeleton.zero_pose();
+        let mut outside = 0;
+        for i in 0..2000 {
+            let x = f64::from(i);
+            let r: Quat = rotation::exp(&(Vec3::new(x.sin(), (1.7 * x).cos(), (2.3 * x).sin()) * 0.8));
+            skeleton.set_rotation(&mut q, 0, &r);
+            if let Some(e) = way_back(&skeleton, &q, 0) {
+                outside += 1;
+                assert!(e.norm() > 0.0 && e.normalize().iter().all(|x| x.is_finite()));
+                let back = rotation::exp(&e) * r;
+                skeleton.set_rotation(&mut q, 0, &back);
+                assert_eq!(way_back(&skeleton, &q, 0), None, "{i}");
+            }
+        }
+        assert!((200..1900).contains(&outside), "{outside}");
     }
 }

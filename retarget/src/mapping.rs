@@ -29,6 +29,8 @@ pub struct Mapping {
     fit: JointFit,
     /// Names of the human feature points it was learned from.
     points: Vec<String>,
+    /// The character's poses it was learned from (`nq` each).
+    pub poses: Vec<Vec<f64>>,
 }
 
 /// One frame mapped.
@@ -69,7 +71,9 @@ impl Mapping {
         let options = GplvmOptions { dimension: latent, ..GplvmOptions::default() };
         let model = Model::fit(model, &pairs, &options).map_err(fault)?;
         let names = key_poses.pairs[0].performer.features.points.iter().map(|p| p.name.clone()).collect();
-        Ok(Self { model, fit: JointFit::new(&puppet.character.skeleton, &puppet.features), points: names })
+        let poses = key_poses.pairs.iter().map(|p| p.character.clone()).collect();
+        let fit = JointFit::new(&puppet.character.skeleton, &puppet.features);
+        Ok(Self { model, fit, points: names, poses })
     }
 
     /// Checks that a performer has the feature points that the key poses have.

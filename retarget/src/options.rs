@@ -99,6 +99,9 @@ pub struct RefineOptions {
     pub obstacles: Vec<Shape>,
     /// Whether penetrations of the body with itself and the scene are pushed out.
     pub collisions: bool,
+    /// Poses (`nq` each) whose touches are meant, such as the key poses of a body that folds its arms: two links may
+    /// be as deep in one another as in any of them. The pipeline adds those of the mapping.
+    pub accepted: Vec<Vec<f64>>,
     /// Most Gauss–Newton steps.
     pub iterations: usize,
 }
@@ -114,6 +117,7 @@ impl Default for RefineOptions {
             friction: dynamics::penalty::FRICTION,
             obstacles: Vec::new(),
             collisions: true,
+            accepted: Vec::new(),
             iterations: 20,
         }
     }

@@ -65,8 +65,9 @@ pub fn run_with(
     if options.stop_after == Stage::Contact {
         return Ok(out);
     }
-    let (refined, refinement) =
-        refine(puppet, &out.clip, &out.phases, &out.mapping.variance, &options.refine)?;
+    let mut options = options.refine.clone();
+    options.accepted.extend(mapping.poses.iter().cloned());
+    let (refined, refinement) = refine(puppet, &out.clip, &out.phases, &out.mapping.variance, &options)?;
     out.reached(Stage::Refine, refined);
     out.refinement = Some(refinement);
     Ok(out)

@@ -90,7 +90,7 @@ pub fn refine(
     penalty.mu = options.friction;
     penalty.k_d *= DAMPING;
     let length_m = gyration(puppet);
-    let solids = Solids::new(puppet, &options.obstacles);
+    let solids = Solids::new(puppet, &options.obstacles, &options.accepted);
     let setting = Setting {
         puppet,
         anchors: &anchors,

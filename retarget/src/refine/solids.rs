@@ -4,7 +4,7 @@
 //! with balls along its longest directions, half a radius of overlap between neighbours, so that a capsule's
 //! surface is at most 14 % of its radius above theirs; distances are then between centres, with a direction
 //! wherever two centres are apart. Two links that touch in the rest pose or hang on one another are no
-//! collision; links with contact points, and those they hang on, may touch the ground: a shin is thicker than its ankle
+//! collision, and others are one from the depth on that they have in a pose whose touches are meant; links with contact points, and those they hang on, may touch the ground: a shin is thicker than its ankle
 //! is high.
 
 use motion::{Kinematics, Shape, Vec3};
@@ -35,8 +35,8 @@ pub struct Touch {
 #[derive(Clone, Debug, PartialEq)]
 pub struct Solids {
     links: Vec<(usize, Vec<Ball>)>,
-    /// Pairs into `links`.
-    pairs: Vec<(usize, usize)>,
+    /// Pairs into `links`, and how deep they may be in one another, m.
+    pairs: Vec<(usize, usize, f64)>,
     /// Entries of `links` that should stay above the ground.
     aloft: Vec<usize>,
     scene: Vec<Shape>,
@@ -46,8 +46,8 @@ pub struct Solids {
 const MOST: usize = 8;
 
 impl Solids {
-    /// For a puppet and the solids of a scene (world).
-    pub fn new(puppet: &Puppet, scene: &[Shape]) -> Self {
+    /// For a puppet, the solids of a scene (world), and poses (`nq` each) whose touches are meant.
+    pub fn new(puppet: &Puppet, scene: &[Shape], accepted: &[Vec<f64>]) -> Self {
         let c = &puppet.character;
         let links: Vec<(usize, Vec<Ball>)> = c
             .bodies
@@ -66,12 +66,24 @@ impl Solids {
                     continue;
                 }
                 let mut touching = Vec::new();
-                out.between(&k, a, b, &mut touching);
+                out.between(&k, (a, b, 0.0), &mut touching);
                 if touching.is_empty() {
-                    out.pairs.push((a, b));
+                    out.pairs.push((a, b, 0.0));
                 }
             }
         }
+        let mut pairs = std::mem::take(&mut out.pairs);
+        let mut posed = k.clone();
+        let mut touching = Vec::new();
+        for q in accepted {
+            posed.update(&c.skeleton, q);
+            for pair in &mut pairs {
+                touching.clear();
+                out.between(&posed, (pair.0, pair.1, 0.0), &mut touching);
+                pair.2 = touching.iter().map(|t: &Touch| t.depth_m).fold(pair.2, f64::max);
+            }
+        }
+        out.pairs = pairs;
         let stands = |link: usize| {
             puppet.contacts.iter().any(|p| {
                 let foot = c.skeleton.sites()[p.site].link;
@@ -84,8 +96,8 @@ impl Solids {
 
     /// All penetrations of a pose, appended to `out`.
     pub fn touches(&self, k: &Kinematics, out: &mut Vec<Touch>) {
-        for &(a, b) in &self.pairs {
-            self.between(k, a, b, out);
+        for &pair in &self.pairs {
+            self.between(k, pair, out);
         }
         for &i in &self.aloft {
             let (link, balls) = &self.links[i];
@@ -111,14 +123,15 @@ impl Solids {
         }
     }
 
-    fn between(&self, k: &Kinematics, a: usize, b: usize, out: &mut Vec<Touch>) {
+    /// Where two links are deeper in one another than they may be.
+    fn between(&self, k: &Kinematics, (a, b, free_m): (usize, usize, f64), out: &mut Vec<Touch>) {
         let ((i, first), (j, second)) = (&self.links[a], &self.links[b]);
         for p in first {
             let at = k.point(*i, &p.center);
             for q in second {
                 let other = k.point(*j, &q.center);
                 let apart = at - other;
-                let depth_m = p.radius + q.radius - apart.norm();
+                let depth_m = p.radius + q.radius - apart.norm() - free_m;
                 if depth_m > 0.0 && apart.norm() > 1e-9 {
                     let out_of = apart.normalize();
                     out.push(Touch { first: (*i, at), second: Some((*j, other)), out: out_of, depth_m });
