@@ -1,6 +1,6 @@
 //! The cost of a set of parameters: how a body does in the scene, and how it takes a few fixed pushes.
 //!
-//! In: a [`Stage`], a [`TuneSpec`]. Out: per [`Tunable`] a [`Sample`](super::Sample): the weighted sum of the terms
+//! In: a [`Stage`], a [`TuneSpec`]. Out: per [`Tunable`] a [`Sample`]: the weighted sum of the terms
 //!
 //! | term | is, per run | scale |
 //! |---|---|---|

@@ -1,6 +1,6 @@
 //! What a scene says about its tuning: parameters, weights, fixed pushes.
 //!
-//! In: [`TuneRon`](crate::schema::TuneRon). Out: a [`TuneSpec`] with every name resolved and every number in its
+//! In: [`TuneRon`]. Out: a [`TuneSpec`] with every name resolved and every number in its
 //! range. What is left out has the defaults of [`TuneSpec::default`].
 
 use controllers::{PARAMETERS, Parameter, parameter};
