@@ -34,12 +34,28 @@ pub struct Touch {
 /// What of a body may collide. See the module header.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Solids {
-    links: Vec<(usize, Vec<Ball>)>,
+    links: Vec<Part>,
     /// Pairs into `links`, and how deep they may be in one another, m.
     pairs: Vec<(usize, usize, f64)>,
     /// Entries of `links` that should stay above the ground.
     aloft: Vec<usize>,
     scene: Vec<Shape>,
+}
+
+/// A link's balls, and one around them all.
+#[derive(Clone, Debug, PartialEq)]
+struct Part {
+    link: usize,
+    balls: Vec<Ball>,
+    bound: Ball,
+}
+
+/// Where the balls of all parts are in a pose, world.
+struct Placed {
+    /// Per part, the middle of its bound.
+    bounds: Vec<Vec3>,
+    /// Per part, the middles of its balls.
+    balls: Vec<Vec<Vec3>>,
 }
 
 /// Balls per shape and direction, at most.
@@ -49,24 +65,24 @@ impl Solids {
     /// For a puppet, the solids of a scene (world), and poses (`nq` each) whose touches are meant.
     pub fn new(puppet: &Puppet, scene: &[Shape], accepted: &[Vec<f64>]) -> Self {
         let c = &puppet.character;
-        let links: Vec<(usize, Vec<Ball>)> = c
+        let links: Vec<Part> = c
             .bodies
             .iter()
             .enumerate()
-            .map(|(i, b)| (i, b.shapes.iter().flat_map(balls).collect::<Vec<_>>()))
-            .filter(|(_, b)| !b.is_empty())
+            .filter_map(|(link, b)| Part::new(link, b.shapes.iter().flat_map(balls).collect()))
             .collect();
         let k = Kinematics::new(&c.skeleton, &c.rest);
         let mut out = Self { links, pairs: Vec::new(), aloft: Vec::new(), scene: scene.to_vec() };
+        let at_rest = out.place(&k);
         for a in 0..out.links.len() {
             for b in 0..a {
-                let (i, j) = (out.links[a].0, out.links[b].0);
+                let (i, j) = (out.links[a].link, out.links[b].link);
                 let parent = |l: usize| c.skeleton.links()[l].parent;
                 if parent(i) == Some(j) || parent(j) == Some(i) {
                     continue;
                 }
                 let mut touching = Vec::new();
-                out.between(&k, (a, b, 0.0), &mut touching);
+                out.between(&at_rest, (a, b, 0.0), &mut touching);
                 if touching.is_empty() {
                     out.pairs.push((a, b, 0.0));
                 }
@@ -77,9 +93,10 @@ impl Solids {
         let mut touching = Vec::new();
         for q in accepted {
             posed.update(&c.skeleton, q);
+            let placed = out.place(&posed);
             for pair in &mut pairs {
                 touching.clear();
-                out.between(&posed, (pair.0, pair.1, 0.0), &mut touching);
+                out.between(&placed, (pair.0, pair.1, 0.0), &mut touching);
                 pair.2 = touching.iter().map(|t: &Touch| t.depth_m).fold(pair.2, f64::max);
             }
         }
@@ -90,33 +107,43 @@ impl Solids {
                 foot == link || c.skeleton.links()[foot].parent == Some(link)
             })
         };
-        out.aloft = (0..out.links.len()).filter(|&i| !stands(out.links[i].0)).collect();
+        out.aloft = (0..out.links.len()).filter(|&i| !stands(out.links[i].link)).collect();
         out
+    }
+
+    fn place(&self, k: &Kinematics) -> Placed {
+        Placed {
+            bounds: self.links.iter().map(|p| k.point(p.link, &p.bound.center)).collect(),
+            balls: self
+                .links
+                .iter()
+                .map(|p| p.balls.iter().map(|b| k.point(p.link, &b.center)).collect())
+                .collect(),
+        }
     }
 
     /// All penetrations of a pose, appended to `out`.
     pub fn touches(&self, k: &Kinematics, out: &mut Vec<Touch>) {
+        let placed = self.place(k);
         for &pair in &self.pairs {
-            self.between(k, pair, out);
+            self.between(&placed, pair, out);
         }
         for &i in &self.aloft {
-            let (link, balls) = &self.links[i];
-            for ball in balls {
-                let p = k.point(*link, &ball.center);
+            let part = &self.links[i];
+            for (ball, p) in part.balls.iter().zip(&placed.balls[i]) {
                 let depth_m = ball.radius - p.y;
                 if depth_m > 0.0 {
-                    out.push(Touch { first: (*link, p), second: None, out: Vec3::y(), depth_m });
+                    out.push(Touch { first: (part.link, *p), second: None, out: Vec3::y(), depth_m });
                 }
             }
         }
-        for (link, balls) in self.links.iter().filter(|_| !self.scene.is_empty()) {
-            for ball in balls {
-                let p = k.point(*link, &ball.center);
+        for (i, part) in self.links.iter().enumerate().filter(|_| !self.scene.is_empty()) {
+            for (ball, p) in part.balls.iter().zip(&placed.balls[i]) {
                 for solid in &self.scene {
-                    let (distance, out_of) = distance(solid, &p);
+                    let (distance, out_of) = distance(solid, p);
                     let depth_m = ball.radius - distance;
                     if depth_m > 0.0 {
-                        out.push(Touch { first: (*link, p), second: None, out: out_of, depth_m });
+                        out.push(Touch { first: (part.link, *p), second: None, out: out_of, depth_m });
                     }
                 }
             }
@@ -124,20 +151,34 @@ impl Solids {
     }
 
     /// Where two links are deeper in one another than they may be.
-    fn between(&self, k: &Kinematics, (a, b, free_m): (usize, usize, f64), out: &mut Vec<Touch>) {
-        let ((i, first), (j, second)) = (&self.links[a], &self.links[b]);
-        for p in first {
-            let at = k.point(*i, &p.center);
-            for q in second {
-                let other = k.point(*j, &q.center);
+    fn between(&self, placed: &Placed, (a, b, free_m): (usize, usize, f64), out: &mut Vec<Touch>) {
+        let (first, second) = (&self.links[a], &self.links[b]);
+        let reach = first.bound.radius + second.bound.radius - free_m;
+        if reach <= 0.0 || (placed.bounds[a] - placed.bounds[b]).norm_squared() >= reach * reach {
+            return;
+        }
+        for (p, at) in first.balls.iter().zip(&placed.balls[a]) {
+            for (q, other) in second.balls.iter().zip(&placed.balls[b]) {
                 let apart = at - other;
                 let depth_m = p.radius + q.radius - apart.norm() - free_m;
                 if depth_m > 0.0 && apart.norm() > 1e-9 {
                     let out_of = apart.normalize();
-                    out.push(Touch { first: (*i, at), second: Some((*j, other)), out: out_of, depth_m });
+                    let second = Some((second.link, *other));
+                    out.push(Touch { first: (first.link, *at), second, out: out_of, depth_m });
                 }
             }
         }
+    }
+}
+
+impl Part {
+    /// `None` without balls.
+    fn new(link: usize, balls: Vec<Ball>) -> Option<Self> {
+        let middle = balls.iter().map(|b| b.center).sum::<Vec3>() / balls.len() as f64;
+        let reach = balls.iter().map(|b| (b.center - middle).norm() + b.radius).reduce(f64::max)?;
+        // a hair more, for rounding
+        let bound = Ball { center: middle, radius: reach * (1.0 + 1e-9) };
+        Some(Self { link, balls, bound })
     }
 }
 
