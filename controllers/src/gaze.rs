@@ -14,7 +14,7 @@ use dynamics::rnea::joint_force;
 use dynamics::{Character, Model, State};
 use motion::ik::IkError;
 use motion::rotation::{between, exp, log, slerp};
-use motion::{Joint, Limits, Quat, Vec3};
+use motion::{Joint, Limits, Quat, Vec3, smoothstep};
 use thiserror::Error;
 
 use crate::reactive::{AHEAD, Felt, Moment, Reactive, in_zero_frame, rate_between, set_rate};
@@ -194,13 +194,9 @@ impl Gaze {
     /// How much of the gaze acts at `t` seconds: 0 to 1, smooth.
     pub fn weight(&self, t: f64) -> f64 {
         let s = &self.settings;
-        let ease = |x: f64| {
-            let x = x.clamp(0.0, 1.0);
-            x * x * (3.0 - 2.0 * x)
-        };
         let blend = s.blend_s.max(f64::MIN_POSITIVE);
-        let away = if s.to_s.is_finite() { ease((t - s.to_s) / blend) } else { 0.0 };
-        ease((t - s.from_s) / blend) * (1.0 - away)
+        let away = if s.to_s.is_finite() { smoothstep((t - s.to_s) / blend) } else { 0.0 };
+        smoothstep((t - s.from_s) / blend) * (1.0 - away)
     }
 
     /// Turns the chain in `pose` towards the target: the goal's joints, moved by `weight` of what is missing.

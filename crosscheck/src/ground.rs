@@ -531,12 +531,5 @@ impl Vertical {
 
 /// Whether a link hangs on `on` or is it.
 fn belongs(trace: &Trace, link: usize, on: usize) -> bool {
-    let mut up = Some(link);
-    while let Some(l) = up {
-        if l == on {
-            return true;
-        }
-        up = trace.character.skeleton.links()[l].parent;
-    }
-    false
+    trace.character.skeleton.ancestors(link).any(|l| l == on)
 }

@@ -161,15 +161,7 @@ impl Character {
     fn carries_mass(&self, link: usize) -> bool {
         let links = self.skeleton.links();
         links[link].joint.nv() > 0
-            && (link + 1..links.len()).any(|i| {
-                let mut up = Some(i);
-                while let Some(u) = up {
-                    if u == link {
-                        return self.bodies[i].mass > 0.0;
-                    }
-                    up = links[u].parent;
-                }
-                false
-            })
+            && (link + 1..links.len())
+                .any(|i| self.bodies[i].mass > 0.0 && self.skeleton.ancestors(i).any(|u| u == link))
     }
 }

@@ -168,14 +168,8 @@ impl Layout {
 
 /// Zero frame of a joint that hangs on the world, through welds only.
 fn world_from_zero(skeleton: &Skeleton, link: usize) -> Transform {
-    let mut out = Transform::identity();
-    let mut up = Some(link);
-    while let Some(l) = up {
-        let link = &skeleton.links()[l];
-        out = link.parent_from_zero * out;
-        up = link.parent;
-    }
-    out
+    let frames = skeleton.ancestors(link).map(|l| skeleton.links()[l].parent_from_zero);
+    frames.fold(Transform::identity(), |out, zero| zero * out)
 }
 
 fn unit(x: &[f64], at: usize) -> Quat {

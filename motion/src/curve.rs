@@ -76,6 +76,13 @@ fn bezier_parameter(x1: f64, x2: f64, u: f64) -> f64 {
     0.5 * (lo + hi)
 }
 
+/// 0 up to `x = 0`, 1 from `x = 1`, between them the cubic 3x² − 2x³ that is level at both ends: for what fades in and
+/// out. Transitions have [`Curve`].
+pub fn smoothstep(x: f64) -> f64 {
+    let x = x.clamp(0.0, 1.0);
+    x * x * (3.0 - 2.0 * x)
+}
+
 impl Curve {
     /// The fraction of the way at `u`; `u` is clamped to [0, 1], whose ends give 0 and 1 exactly.
     pub fn at(&self, u: f64) -> f64 {

@@ -47,7 +47,7 @@ pub mod support;
 pub mod track;
 
 pub use clip::Clip;
-pub use curve::Curve;
+pub use curve::{Curve, smoothstep};
 pub use derivatives::Derivatives;
 pub use dof::{Dof, Value};
 pub use fk::Kinematics;

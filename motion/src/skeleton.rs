@@ -389,6 +389,11 @@ impl Skeleton {
         self.links.iter().position(|l| l.name == name)
     }
 
+    /// A link and all that carry it, up to the root.
+    pub fn ancestors(&self, link: usize) -> impl Iterator<Item = usize> {
+        std::iter::successors(Some(link), |&l| self.links[l].parent)
+    }
+
     /// The site with this name.
     pub fn site(&self, name: &str) -> Option<&Site> {
         self.sites.iter().find(|s| s.name == name)

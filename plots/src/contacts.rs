@@ -107,14 +107,8 @@ fn parts(trace: &Excerpt, rows: usize) -> Vec<Part> {
     let links = skeleton.links();
     let owner: Vec<usize> = (0..links.len())
         .map(|link| {
-            let mut up = Some(link);
-            while let Some(u) = up {
-                if trace.character.legs().any(|leg| leg.end == u) {
-                    return u;
-                }
-                up = links[u].parent;
-            }
-            link
+            let foot = |&u: &usize| trace.character.legs().any(|leg| leg.end == u);
+            skeleton.ancestors(link).find(foot).unwrap_or(link)
         })
         .collect();
     let mut pressed: Vec<(usize, f64)> = Vec::new();

@@ -61,14 +61,8 @@ impl Check<'_> {
 /// Joints of the neck that carry a site, from the trunk outward; empty if there is no such site.
 fn neck(character: &Character, eyes: &str) -> Vec<usize> {
     let skeleton = &character.skeleton;
-    let mut up = skeleton.site(eyes).map(|s| s.link);
-    let mut links = Vec::new();
-    while let Some(link) = up {
-        if character.classes[link] == JointClass::Neck {
-            links.push(link);
-        }
-        up = skeleton.links()[link].parent;
-    }
+    let up = skeleton.site(eyes).into_iter().flat_map(|s| skeleton.ancestors(s.link));
+    let mut links: Vec<usize> = up.filter(|&l| character.classes[l] == JointClass::Neck).collect();
     links.reverse();
     links
 }

@@ -19,9 +19,9 @@
 //! J. Pratt, J. Carff, S. Drakunov, A. Goswami. Capture point: a step toward humanoid push recovery. Humanoids 2006.
 
 use dynamics::{Model, State};
-use motion::Vec3;
 use motion::rotation::exp;
 use motion::support::Vec2;
+use motion::{Vec3, smoothstep};
 
 use super::BalanceSettings;
 
@@ -69,8 +69,7 @@ impl Hip {
 
     /// How much of the strategy acts, 0 to 1.
     pub fn activity(&self) -> f64 {
-        let t = ((self.lean.norm() + SOON * self.rate.norm()) / WHOLE).min(1.0);
-        t * t * (3.0 - 2.0 * t)
+        smoothstep((self.lean.norm() + SOON * self.rate.norm()) / WHOLE)
     }
 
     /// L̇ of the lean, N·m.

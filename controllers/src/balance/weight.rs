@@ -4,8 +4,8 @@
 //! plane, (x, z), m.
 
 use dynamics::{Model, State};
-use motion::Vec3;
 use motion::support::{Vec2, ground};
+use motion::{Vec3, smoothstep};
 
 use super::BalanceSettings;
 use crate::support::Foot;
@@ -71,15 +71,14 @@ impl Wake {
         let gain = 1.0 - (-dt / SUDDEN).exp();
         let speed = (x - *followed) * (gain / dt);
         *followed += (x - *followed) * gain;
-        let t =
-            ((speed.norm() - s.weight_from_m_s) / (s.weight_full_m_s - s.weight_from_m_s)).clamp(0.0, 1.0);
         if x.norm() < s.weight_rest_m {
             self.level *= (-dt / CALM).exp();
             if self.level < 1e-3 {
                 self.level = 0.0;
             }
         }
-        self.level = self.level.max(t * t * (3.0 - 2.0 * t));
+        let woken = (speed.norm() - s.weight_from_m_s) / (s.weight_full_m_s - s.weight_from_m_s);
+        self.level = self.level.max(smoothstep(woken));
         self.level
     }
 }

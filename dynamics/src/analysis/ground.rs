@@ -22,7 +22,7 @@
 //! surface).
 
 use motion::support::ground as plane;
-use motion::{Clip, LimbKind, Support, Vec3};
+use motion::{Clip, LimbKind, Support, Vec3, smoothstep};
 use nalgebra::Matrix3;
 
 use super::AnalysisOptions;
@@ -317,8 +317,7 @@ impl Floor {
 
 /// 1 up to ½, 0 from 1, a cubic between.
 fn fade(x: f64) -> f64 {
-    let t = (2.0 * x - 1.0).clamp(0.0, 1.0);
-    1.0 - t * t * (3.0 - 2.0 * t)
+    1.0 - smoothstep(2.0 * x - 1.0)
 }
 
 /// Point of the ground at which the wrench (`force`, `moment_com` about `com`) has no horizontal moment.

@@ -30,7 +30,7 @@
 //!
 //! \[YAH10\] Yamane, Ariki, Hodgins. Animating Non-Humanoid Characters with Human Motion Data, SCA 2010.
 
-use motion::Vec3;
+use motion::{Vec3, smoothstep};
 
 use crate::Puppet;
 
@@ -83,8 +83,7 @@ fn carried(
             for (s, place) in spans[c].iter().zip(&places[c]) {
                 for i in s.first..=s.last {
                     let inside = (i - s.first).min(s.last - i) as f64 + 0.5;
-                    let x = (inside / fade).min(1.0);
-                    let weight = x * x * (3.0 - 2.0 * x);
+                    let weight = smoothstep(inside / fade);
                     sum[i].0 += (place - paths[c][i]) * weight;
                     sum[i].1 += weight;
                 }

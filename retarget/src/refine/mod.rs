@@ -253,14 +253,7 @@ fn collisions(solids: &Solids, clip: &Clip) -> (f64, Vec<(usize, Option<usize>)>
 /// Degrees of freedom between two links of each pair, or between a link and the root.
 fn joints_between(puppet: &Puppet, pairs: &[(usize, Option<usize>)]) -> Vec<usize> {
     let s = &puppet.character.skeleton;
-    let chain = |link: usize| {
-        let (mut out, mut up) = (Vec::new(), Some(link));
-        while let Some(l) = up {
-            out.push(l);
-            up = s.links()[l].parent;
-        }
-        out
-    };
+    let chain = |link: usize| -> Vec<usize> { s.ancestors(link).collect() };
     let mut links: Vec<usize> = Vec::new();
     for &(a, b) in pairs {
         let (a, b) = (chain(a), b.map(chain).unwrap_or_default());
@@ -271,7 +264,8 @@ fn joints_between(puppet: &Puppet, pairs: &[(usize, Option<usize>)]) -> Vec<usiz
     links.sort_unstable();
     links.dedup();
     // arms give way to legs that stand
-    let stands = |l: &usize| puppet.contacts.iter().any(|c| chain(s.sites()[c.site].link).contains(l));
+    let stands =
+        |l: &usize| puppet.contacts.iter().any(|c| s.ancestors(s.sites()[c.site].link).any(|u| u == *l));
     if links.iter().any(|l| !stands(l)) {
         links.retain(|l| !stands(l));
     }
@@ -295,11 +289,7 @@ fn chosen(puppet: &Puppet, dofs: &RefineDofs) -> Result<Vec<usize>, RetargetErro
         RefineDofs::RootAndLegs => {
             let mut all: Vec<usize> = (0..6).collect();
             for p in &puppet.contacts {
-                let mut up = Some(s.sites()[p.site].link);
-                while let Some(l) = up {
-                    all.extend(of_link(l));
-                    up = s.links()[l].parent;
-                }
+                all.extend(s.ancestors(s.sites()[p.site].link).flat_map(of_link));
             }
             all
         }

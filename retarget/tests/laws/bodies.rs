@@ -69,14 +69,7 @@ pub fn scaled(c: &Character, size: f64, legs: f64) -> Character {
 }
 
 fn under(s: &Skeleton, link: usize, top: usize) -> bool {
-    let mut up = Some(link);
-    while let Some(u) = up {
-        if u == top {
-            return true;
-        }
-        up = s.links()[u].parent;
-    }
-    false
+    s.ancestors(link).any(|u| u == top)
 }
 
 /// A puppet whose contact points follow the human ones of the same name.

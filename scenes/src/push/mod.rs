@@ -505,10 +505,8 @@ pub(crate) fn middle(corners: &[(usize, Vec3)], k: &Kinematics) -> Vec3 {
 pub(crate) fn carrier(character: &Character, k: &Kinematics, com: &Vec3) -> usize {
     let skeleton = &character.skeleton;
     let links = skeleton.links();
-    let in_limb = |link: usize| {
-        std::iter::successors(Some(link), |&l| links[l].parent)
-            .any(|l| skeleton.limbs().iter().any(|limb| limb.upper == l))
-    };
+    let in_limb =
+        |link: usize| skeleton.ancestors(link).any(|l| skeleton.limbs().iter().any(|limb| limb.upper == l));
     let distance = |&link: &usize| (k.point(link, &character.bodies[link].com) - com).norm();
     (0..links.len())
         .filter(|&l| !in_limb(l) && character.bodies[l].mass > 0.0)
