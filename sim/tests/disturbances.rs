@@ -1,9 +1,10 @@
 //! Laws of disturbances: tilted ground, masses that come and go.
 
-use std::sync::Arc;
+mod bodies;
 
-use dynamics::{Body, Carried, Character, ContactSample, JointClass, Model, State};
-use motion::{Joint, Link, Quat, Shape, Skeleton, Vec3};
+use bodies::character;
+use dynamics::{Body, Carried, Character, ContactSample, Model, State};
+use motion::{Joint, Link, Quat, Shape, Vec3};
 use nalgebra::Matrix3;
 use sim::{Engine, Ground, World, WorldSettings};
 
@@ -12,20 +13,6 @@ const G: f64 = 9.81;
 fn settings(rate_hz: f64, substeps: usize, ground: Option<Ground>) -> WorldSettings {
     let gravity = Vec3::new(0.0, -G, 0.0);
     WorldSettings { rate_hz, substeps, gravity, ground, pinned: false, contact: Default::default() }
-}
-
-fn character(links: Vec<Link>, bodies: Vec<Body>) -> Character {
-    let skeleton = Arc::new(Skeleton::new(links).unwrap());
-    Character {
-        name: "test".into(),
-        classes: vec![JointClass::Other; bodies.len()],
-        rest: skeleton.zero_pose(),
-        skeleton,
-        bodies,
-        contacts: vec![],
-    }
-    .check()
-    .unwrap()
 }
 
 const MASS: f64 = 12.0;

@@ -1,31 +1,18 @@
 //! Laws of the world: what goes in comes out, and nothing pushes from nowhere.
 
-use std::sync::Arc;
+mod bodies;
 
+use bodies::character;
 use controllers::{Drive, Rest};
-use dynamics::{Body, Character, JointClass, Model, State};
+use dynamics::{Body, Character, Model, State};
 use motion::rotation::exp;
-use motion::{Joint, Link, Shape, Skeleton, Vec3};
+use motion::{Joint, Link, Shape, Vec3};
 use nalgebra::{DMatrix, DVector, Matrix3};
 use sim::{Engine, Ground, World, WorldSettings};
 
 fn body(mass: f64, com: Vec3, shapes: Vec<Shape>) -> Body {
     let inertia = Matrix3::from_diagonal(&Vec3::new(0.02, 0.03, 0.025)) * mass;
     Body { mass, com, inertia, shapes }
-}
-
-fn character(links: Vec<Link>, bodies: Vec<Body>) -> Character {
-    let skeleton = Arc::new(Skeleton::new(links).unwrap());
-    Character {
-        name: "test".into(),
-        classes: vec![JointClass::Other; bodies.len()],
-        rest: skeleton.zero_pose(),
-        skeleton,
-        bodies,
-        contacts: vec![],
-    }
-    .check()
-    .unwrap()
 }
 
 /// A free root with its centre of mass off its origin, a ball, a skew hinge and a slide.

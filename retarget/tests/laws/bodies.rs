@@ -6,7 +6,12 @@ use std::sync::Arc;
 use dynamics::{Body, Character};
 use motion::format::bvh::{self, ImportOptions};
 use motion::{Clip, Kinematics, Limits, Shape, Skeleton, Smoothing, Transform, Vec3};
-use retarget::{ContactPoint, Follow, KeyPose, KeyPoses, Performer, Puppet};
+use retarget::contacts::{Phase, adjust, phases};
+use retarget::global_transform::{global_transform, in_local_frame};
+use retarget::{
+    ContactOptions, ContactPoint, ContactReport, Follow, GlobalOptions, KeyPose, KeyPoses, Performer, Puppet,
+    SizeRatio,
+};
 
 /// A clip of `../shared/mocap`, at 30 Hz, smoothed, on the performer's skeleton with the ground at 0.
 pub fn mocap(name: &str) -> (Performer, Clip) {
@@ -114,4 +119,26 @@ pub fn key_poses(performer: &Performer, human: &Clip, puppet: &Puppet, size: f64
         KeyPose::of_frame(&name, "clip", &performer, human, i, 0.0, own.pose(i).to_vec()).unwrap()
     };
     KeyPoses { pairs: (0..human.frames()).step_by(step).map(pair).collect() }
+}
+
+/// A clip with its contacts held on a body of other proportions, and the human clip behind it.
+pub struct Held {
+    pub human: Clip,
+    pub puppet: Puppet,
+    pub clip: Clip,
+    pub phases: Vec<Phase>,
+    pub report: ContactReport,
+}
+
+/// Puts a clip on a body scaled by `size` with legs longer by `legs` more, and its feet on the ground.
+pub fn held(name: &str, size: f64, legs: f64) -> Held {
+    let (performer, human) = mocap(name);
+    let puppet = puppet(scaled(&performer.character, size, legs));
+    let local = in_local_frame(&same_angles(&human, &puppet.character, size), &puppet.features.root);
+    // steps as long as the legs make them: the paper's ratio knows nothing of legs
+    let options = GlobalOptions { size: SizeRatio::Fixed(size * legs), ..GlobalOptions::default() };
+    let (moved, _) = global_transform(&performer, &human, &puppet, &local, &options);
+    let phases = phases::find(&performer, &human, &puppet, &ContactOptions::default()).unwrap();
+    let (clip, report) = adjust(&puppet, &moved, &phases).unwrap();
+    Held { human, puppet, clip, phases, report }
 }

@@ -1,10 +1,6 @@
 //! Contact phases and adjustment.
 
-use retarget::contacts::{adjust, phases};
-use retarget::global_transform::{global_transform, in_local_frame};
-use retarget::{ContactOptions, GlobalOptions, SizeRatio};
-
-use crate::bodies::{mocap, puppet, same_angles, scaled};
+use crate::bodies::{Held, held};
 
 /// Slip, depth and jerk of what is held.
 #[test]
@@ -17,19 +13,12 @@ fn points_stay_where_they_touch() {
         ("127_01", 1.0, 0.8),
         ("16_03", 0.6, 0.7),
     ] {
-        let (performer, human) = mocap(clip);
-        let puppet = puppet(scaled(&performer.character, size, legs));
-        let local = in_local_frame(&same_angles(&human, &puppet.character, size), &puppet.features.root);
-        // steps as long as the legs make them: the paper's ratio knows nothing of legs
-        let options = GlobalOptions { size: SizeRatio::Fixed(size * legs), ..GlobalOptions::default() };
-        let (moved, _) = global_transform(&performer, &human, &puppet, &local, &options);
-        let found = phases::find(&performer, &human, &puppet, &ContactOptions::default()).unwrap();
-        let (held, report) = adjust(&puppet, &moved, &found).unwrap();
-        let share: f64 = found.iter().map(|p| p.to_s - p.from_s).sum::<f64>()
+        let Held { human, puppet, clip: held, phases, report } = held(clip, size, legs);
+        let share: f64 = phases.iter().map(|p| p.to_s - p.from_s).sum::<f64>()
             / (human.duration_s() * puppet.contacts.len() as f64);
         println!(
             "{clip} × {size}, legs × {legs}: {} phases, {share:.2} of the time, {report:?}",
-            found.len()
+            phases.len()
         );
         assert_eq!(held.frames(), human.frames());
         assert!(report.slip_m <= 1e-3, "{report:?}"); // 0.2 mm seen

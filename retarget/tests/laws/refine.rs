@@ -1,26 +1,9 @@
 //! Physics refinement.
 
-use motion::Clip;
-use retarget::contacts::{Phase, adjust, phases};
-use retarget::global_transform::{global_transform, in_local_frame};
 use retarget::refine::refine;
-use retarget::{
-    ContactOptions, GlobalOptions, Puppet, RefineDofs, RefineOptions, RefinementReport, SizeRatio,
-};
+use retarget::{RefineDofs, RefineOptions, RefinementReport};
 
-use crate::bodies::{mocap, puppet, same_angles, scaled};
-
-/// A clip with its contacts held, on a body of other proportions.
-fn held(clip: &str, size: f64, legs: f64) -> (Puppet, Clip, Vec<Phase>) {
-    let (performer, human) = mocap(clip);
-    let puppet = puppet(scaled(&performer.character, size, legs));
-    let local = in_local_frame(&same_angles(&human, &puppet.character, size), &puppet.features.root);
-    let options = GlobalOptions { size: SizeRatio::Fixed(size * legs), ..GlobalOptions::default() };
-    let (moved, _) = global_transform(&performer, &human, &puppet, &local, &options);
-    let found = phases::find(&performer, &human, &puppet, &ContactOptions::default()).unwrap();
-    let (held, _) = adjust(&puppet, &moved, &found).unwrap();
-    (puppet, held, found)
-}
+use crate::bodies::{Held, held};
 
 /// Shares by which Z_p falls: vertical, all.
 fn falls(r: &RefinementReport) -> (f64, f64) {
@@ -51,7 +34,7 @@ fn say(what: &str, r: &RefinementReport) {
 #[test]
 fn the_root_s_height_matches_the_vertical_force() {
     for (clip, size, legs) in CLIPS {
-        let (puppet, held, found) = held(clip, size, legs);
+        let Held { puppet, clip: held, phases: found, .. } = held(clip, size, legs);
         let variance = vec![4e-4; held.frames()];
         let options = RefineOptions { collisions: false, ..RefineOptions::default() };
         let (_, r) = refine(&puppet, &held, &found, &variance, &options).unwrap();
@@ -65,7 +48,7 @@ fn the_root_s_height_matches_the_vertical_force() {
 #[test]
 fn root_and_legs_match_all_six() {
     for (clip, size, legs) in CLIPS {
-        let (puppet, held, found) = held(clip, size, legs);
+        let Held { puppet, clip: held, phases: found, .. } = held(clip, size, legs);
         let variance = vec![4e-4; held.frames()];
         let options = RefineOptions { dofs: RefineDofs::RootAndLegs, ..RefineOptions::default() };
         let (_, r) = refine(&puppet, &held, &found, &variance, &options).unwrap();
