@@ -108,6 +108,43 @@ impl ClipArgs {
     }
 }
 
+/// What of muscles and simulation may differ from the file's.
+#[derive(Debug, Args)]
+pub struct PhysicsArgs {
+    /// Patch of tension and balance, as `tune` writes it
+    #[arg(long, value_name = "FILE.ron")]
+    pub patch: Option<PathBuf>,
+    /// Factor on every tension: 1 leaves them, 2 is twice as stiff
+    #[arg(long, value_name = "X", value_parser = tension, allow_negative_numbers = true)]
+    pub tension: Option<f64>,
+    /// Control steps per second of the simulation [default: the scene's, 240; near 240 for a clip]
+    #[arg(long, value_name = "HZ", value_parser = rate, allow_negative_numbers = true)]
+    pub rate: Option<f64>,
+    /// Engine substeps per control step [default: as many as the stiffest joint needs, at least 2]
+    #[arg(long, value_name = "N", value_parser = substeps, allow_negative_numbers = true)]
+    pub substeps: Option<usize>,
+    /// Strategies of balance to switch off: ankle, hip, weight
+    #[arg(long, value_name = "STRATEGY", value_delimiter = ',')]
+    pub without: Vec<Strategy>,
+}
+
+impl PhysicsArgs {
+    /// The same as the stage takes it.
+    ///
+    /// # Errors
+    /// A patch that makes no sense.
+    pub fn overrides(&self) -> Result<Overrides, SceneError> {
+        Ok(Overrides {
+            patch: patch(self.patch.as_deref())?,
+            tension: self.tension,
+            rate_hz: self.rate,
+            substeps: self.substeps,
+            without: self.without.clone(),
+            ..Overrides::default()
+        })
+    }
+}
+
 /// Arguments of `render`.
 #[derive(Debug, Args)]
 #[command(after_help = RENDER_EXAMPLES)]
@@ -122,9 +159,6 @@ pub struct RenderArgs {
     /// assisted:FORCE_N,MOMENT_NM [default: the scene's; pinned for a clip]
     #[arg(long, value_name = "ROOT")]
     pub root: Option<RootChoice>,
-    /// Patch of tension and balance, as `tune` writes it
-    #[arg(long, value_name = "FILE.ron")]
-    pub patch: Option<PathBuf>,
     /// Assist the root by this much, from 0 (free) to 1: a budget of X² of the body weight, and of the moment of that
     /// force at the root's height; more follows closer with more help from outside, see docs/ROOT.md
     #[arg(long, value_name = "X", value_parser = fidelity, allow_negative_numbers = true, conflicts_with = "root")]
@@ -148,18 +182,9 @@ pub struct RenderArgs {
     /// Write the motion asked for, without physics
     #[arg(long)]
     pub kinematic: bool,
-    /// Factor on every tension: 1 leaves them, 2 is twice as stiff
-    #[arg(long, value_name = "X", value_parser = tension, allow_negative_numbers = true)]
-    pub tension: Option<f64>,
-    /// Control steps per second of the simulation [default: the scene's, 240; near 240 for a clip]
-    #[arg(long, value_name = "HZ", value_parser = rate, allow_negative_numbers = true)]
-    pub rate: Option<f64>,
-    /// Engine substeps per control step [default: as many as the stiffest joint needs, at least 2]
-    #[arg(long, value_name = "N", value_parser = substeps, allow_negative_numbers = true)]
-    pub substeps: Option<usize>,
-    /// Strategies of balance to switch off: ankle, hip, weight
-    #[arg(long, value_name = "STRATEGY", value_delimiter = ',')]
-    pub without: Vec<Strategy>,
+    /// Muscles and simulation.
+    #[command(flatten)]
+    pub physics: PhysicsArgs,
     /// Draw nothing
     #[arg(long)]
     pub no_plots: bool,
@@ -209,15 +234,8 @@ impl RenderArgs {
     /// # Errors
     /// A patch that makes no sense.
     pub fn overrides(&self) -> Result<Overrides, SceneError> {
-        Ok(Overrides {
-            patch: patch(self.patch.as_deref())?,
-            root: self.fidelity.map(RootChoice::Fidelity).or(self.root),
-            tension: self.tension,
-            rate_hz: self.rate,
-            substeps: self.substeps,
-            without: self.without.clone(),
-            span_s: self.span,
-        })
+        let root = self.fidelity.map(RootChoice::Fidelity).or(self.root);
+        Ok(Overrides { root, span_s: self.span, ..self.physics.overrides()? })
     }
 }
 
@@ -480,24 +498,12 @@ pub struct PushArgs {
     /// [default: out/NAME-push]
     #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,
-    /// Patch of tension and balance, as `tune` writes it
-    #[arg(long, value_name = "FILE.ron")]
-    pub patch: Option<PathBuf>,
-    /// Factor on the tension of all muscles [default: the scene's]
-    #[arg(long, value_name = "FACTOR", value_parser = tension, allow_negative_numbers = true)]
-    pub tension: Option<f64>,
-    /// Control steps per second [default: the scene's]
-    #[arg(long, value_name = "HZ", value_parser = rate, allow_negative_numbers = true)]
-    pub rate: Option<f64>,
-    /// Engine substeps per control step [default: the scene's]
-    #[arg(long, value_name = "N", value_parser = substeps, allow_negative_numbers = true)]
-    pub substeps: Option<usize>,
+    /// Muscles and simulation.
+    #[command(flatten)]
+    pub physics: PhysicsArgs,
     /// Engine that simulates the pushes
     #[arg(long, value_enum, default_value_t = EngineArg::Rapier)]
     pub engine: EngineArg,
-    /// Strategies of balance to switch off: ankle, hip, weight
-    #[arg(long, value_name = "STRATEGY", value_delimiter = ',')]
-    pub without: Vec<Strategy>,
     /// Draw nothing
     #[arg(long)]
     pub no_plots: bool,
@@ -527,21 +533,6 @@ Same input, same bytes, on any number of threads (RAYON_NUM_THREADS).
 Exit codes: 0 done, 1 the body does not stand or the run failed, 2 something is wrong with the input.";
 
 impl PushArgs {
-    /// Numbers of the dynamic pass that differ from the file's.
-    ///
-    /// # Errors
-    /// A patch that makes no sense.
-    pub fn overrides(&self) -> Result<Overrides, SceneError> {
-        Ok(Overrides {
-            patch: patch(self.patch.as_deref())?,
-            tension: self.tension,
-            rate_hz: self.rate,
-            substeps: self.substeps,
-            without: self.without.clone(),
-            ..Overrides::default()
-        })
-    }
-
     /// The same as the map takes it.
     pub fn settings(&self) -> PushSettings {
         PushSettings {

@@ -26,7 +26,7 @@ pub fn run(args: &PushArgs) -> Result<(), Failure> {
         &args.input,
         None,
         &ImportOptions::default(),
-        &args.overrides().map_err(Failure::input)?,
+        &args.physics.overrides().map_err(Failure::input)?,
     )
     .map_err(Failure::input)?;
     let dir = args.out.clone().unwrap_or_else(|| Path::new("out").join(format!("{}-push", stage.name)));

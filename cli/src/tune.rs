@@ -35,7 +35,7 @@ pub fn run(args: &TuneArgs) -> Result<(), Failure> {
             input.display()
         )));
     }
-    let patch = args.patch.as_deref().map(Patch::read).transpose().map_err(Failure::input)?;
+    let patch = crate::args::patch(args.patch.as_deref()).map_err(Failure::input)?;
     let overrides = Overrides { patch, ..Overrides::default() };
     let stage =
         scenes::open_with(input, None, &ImportOptions::default(), &overrides).map_err(Failure::input)?;
