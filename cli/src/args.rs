@@ -4,11 +4,8 @@ use std::path::PathBuf;
 
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use motion::format::bvh::{Axis, ImportOptions};
-use motion::smooth::Smoothing;
-use scenes::StudyOptions;
 use scenes::overrides::{Overrides, RATES, RootChoice, SUBSTEPS, Strategy, TENSIONS};
 use scenes::push::PushSettings;
-use scenes::retarget::{MappingModel, Stage};
 use scenes::{Patch, SceneError};
 
 /// Motion performed by a body with mass, muscles and contacts.
@@ -36,6 +33,8 @@ Examples:
 
 Exit codes: 0 done (also when the body fell), 1 the run failed, 2 something is wrong with the input.";
 
+pub use crate::analysis_args::{AnalyzeArgs, DynamicsArgs, Format, PlotArgs, What};
+pub use crate::retarget_args::RetargetArgs;
 pub use crate::tune_args::TuneArgs;
 
 /// What to do.
@@ -264,130 +263,6 @@ Examples:
   contrapposto inspect walk.bvh --write-body body.ron
   contrapposto inspect scenes/bow.ron --json";
 
-/// The statistical model of `retarget`.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
-pub enum ModelChoice {
-    /// Shared Gaussian-process latent-variable model
-    #[default]
-    Gplvm,
-    /// Gaussian-process regression
-    Gp,
-    /// Principal components and a linear map
-    Pca,
-    /// Mean of the three nearest key poses
-    Nn3,
-    /// Mean of the ten nearest key poses
-    Nn10,
-}
-
-impl ModelChoice {
-    /// The same as the pipeline takes it.
-    pub fn model(self) -> MappingModel {
-        match self {
-            Self::Gplvm => MappingModel::Gplvm,
-            Self::Gp => MappingModel::Gp,
-            Self::Pca => MappingModel::Pca,
-            Self::Nn3 => MappingModel::Nn3,
-            Self::Nn10 => MappingModel::Nn10,
-        }
-    }
-}
-
-/// A stage of `retarget`.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
-pub enum StopAfter {
-    /// Poses, in place
-    Map,
-    /// Travel and turning, by momentum
-    Global,
-    /// Contact points held on the ground
-    Contact,
-    /// Forces that a ground can give
-    #[default]
-    Refine,
-}
-
-impl StopAfter {
-    /// The same as the pipeline takes it.
-    pub fn stage(self) -> Stage {
-        match self {
-            Self::Map => Stage::Map,
-            Self::Global => Stage::Global,
-            Self::Contact => Stage::Contact,
-            Self::Refine => Stage::Refine,
-        }
-    }
-}
-
-/// Arguments of `retarget`.
-#[derive(Debug, Args)]
-#[command(after_help = RETARGET_EXAMPLES)]
-pub struct RetargetArgs {
-    /// Human motion: a scene of a human figure (.ron) or a motion-capture clip (.bvh)
-    #[arg(value_name = "PERFORMANCE.ron|CLIP.bvh")]
-    pub input: PathBuf,
-    /// Character file of the body that gets it
-    #[arg(long, value_name = "CHARACTER.ron")]
-    pub to: PathBuf,
-    /// Key poses to learn from [default: keyposes/NAME.ron beside the folder of the character]
-    #[arg(long, value_name = "FILE.ron")]
-    pub keyposes: Option<PathBuf>,
-    /// How poses are mapped
-    #[arg(long, value_enum, default_value_t)]
-    pub model: ModelChoice,
-    /// The last stage
-    #[arg(long, value_enum, default_value_t)]
-    pub stop_after: StopAfter,
-    /// Frames per second to work at and to write [default: the motion's]
-    #[arg(long, value_name = "HZ", value_parser = frame_rate, allow_negative_numbers = true)]
-    pub rate: Option<f64>,
-    /// Name the N moments whose poses the model is least sure of
-    #[arg(long, value_name = "N", value_parser = suggestions)]
-    pub suggest_keyposes: Option<usize>,
-    /// Run all five models and table their errors at the key poses
-    #[arg(long)]
-    pub compare: bool,
-    /// Print first guesses for key poses at these moments, s, as lines for a file of key poses, and do nothing else
-    #[arg(long, value_name = "S", value_delimiter = ',', allow_negative_numbers = true)]
-    pub guess: Vec<f64>,
-    /// Draw all key poses beside the human poses they stand for, into DIR/plots, and do nothing else
-    #[arg(long, conflicts_with = "guess")]
-    pub sheet: bool,
-    /// Folder to write into; earlier output there is replaced when all is complete
-    /// [default: out/PERFORMANCE-CHARACTER]
-    #[arg(long, value_name = "DIR")]
-    pub out: Option<PathBuf>,
-    /// Draw nothing
-    #[arg(long)]
-    pub no_plots: bool,
-    /// Print the report as JSON, and nothing else, on standard output
-    #[arg(long)]
-    pub json: bool,
-    /// How to read a clip.
-    #[command(flatten)]
-    pub clip: ClipArgs,
-}
-
-const RETARGET_EXAMPLES: &str = "\
-Examples:
-  contrapposto retarget scenes/performances/anger.ron --to scenes/characters/lamp.ron
-  contrapposto retarget walk.bvh --to scenes/characters/penguin.ron --rate 30
-  contrapposto retarget scenes/performances/fear.ron --to scenes/characters/squirrel.ron --model nn3 --stop-after map
-  contrapposto retarget walk.bvh --to scenes/characters/lamp.ron --suggest-keyposes 5
-  contrapposto retarget scenes/performances/fear.ron --to scenes/characters/lamp.ron --guess 1.5,7
-
-Files written into DIR:
-  retargeted.bvh      the motion on the character
-  retargeted.glb      the same with its body, for any 3-D tool
-  human.bvh           the human motion as it was used
-  report.json         the numbers, see docs/RETARGET.md
-  plots/              film strip of all stages, confidence, latent path, momentum, forces
-
-Give the result a dynamic pass with
-  contrapposto render DIR/retargeted.bvh --body CHARACTER.ron --units 0.01 --up y
-
-Same input, same bytes.";
-
 /// Arguments of `crosscheck`.
 #[derive(Debug, Args)]
 #[command(after_help = CROSSCHECK_EXAMPLES)]
@@ -579,193 +454,6 @@ Examples:
 A body written as MJCF (.xml) is Y up, in metres and radians, with the ground as a plane and two springs and a
 damper per hinge as actuators (controls k_lo, k_hi, k_d); a clip's body is the one guessed for it.";
 
-/// A figure of `plot`.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, ValueEnum)]
-pub enum What {
-    /// Ground forces per foot and in total: required, given, measured, MuJoCo's
-    Contact,
-    /// Residual force and moment, graded
-    Residual,
-    /// Linear and angular momentum
-    Momentum,
-    /// Centre of mass and centre of pressure over the support
-    Com,
-    /// Torques of the hardest joints
-    Torque,
-    /// Gains and torques of the muscles (traces only)
-    Gains,
-    /// Joint angles asked for and performed
-    Angles,
-    /// Energies and power
-    Energy,
-    /// Film strip
-    Strip,
-    /// All of them that there are
-    All,
-}
-
-impl What {
-    /// Every figure, in order.
-    pub const EACH: [What; 9] = [
-        What::Contact,
-        What::Residual,
-        What::Momentum,
-        What::Com,
-        What::Torque,
-        What::Gains,
-        What::Angles,
-        What::Energy,
-        What::Strip,
-    ];
-
-    /// Name of its files.
-    pub fn stem(self) -> &'static str {
-        match self {
-            What::Contact => "contact",
-            What::Residual => "residual",
-            What::Momentum => "momentum",
-            What::Com => "com",
-            What::Torque => "torque",
-            What::Gains => "gains",
-            What::Angles => "angles",
-            What::Energy => "energy",
-            What::Strip => "strip",
-            What::All => "all",
-        }
-    }
-}
-
-/// What inverse dynamics is told.
-#[derive(Clone, Debug, Default, Args)]
-pub struct DynamicsArgs {
-    /// Character file for a clip, instead of a guessed body
-    #[arg(long, value_name = "FILE.ron")]
-    pub body: Option<PathBuf>,
-    /// Coefficient of friction of the ground [default: the scene's, 0.8 else]
-    #[arg(long, value_name = "MU", value_parser = friction, allow_negative_numbers = true)]
-    pub friction: Option<f64>,
-    /// Smooth the motion before it is differentiated: a cut-off in Hz, auto, or off
-    /// [default: auto for clips and runs with a pinned root, else off]
-    #[arg(long, value_name = "HZ|auto|off", value_parser = smoothing, allow_negative_numbers = true)]
-    pub smooth: Option<Smoothing>,
-    /// Depth at which a body would stand in the penalty model's ground, mm
-    #[arg(long, value_name = "MM", value_parser = sink, default_value = "1.5", allow_negative_numbers = true)]
-    pub sink_mm: f64,
-}
-
-impl DynamicsArgs {
-    /// The same as a study takes it.
-    pub fn options(&self) -> StudyOptions {
-        StudyOptions { smoothing: self.smooth, friction: self.friction }
-    }
-}
-
-/// Arguments of `plot`.
-#[derive(Debug, Args)]
-#[command(after_help = PLOT_EXAMPLES)]
-pub struct PlotArgs {
-    /// trace.npz, the folder of a run, a clip (.bvh) or a scene (.ron)
-    #[arg(value_name = "TRACE|CLIP")]
-    pub input: PathBuf,
-    /// What to draw; several, separated by commas
-    #[arg(long, value_enum, value_delimiter = ',', default_value = "all")]
-    pub what: Vec<What>,
-    /// A file (.svg or .png) for one figure, or a folder [default: plots/ beside the trace,
-    /// out/NAME/plots for a clip]
-    #[arg(long, value_name = "F.svg|F.png|DIR")]
-    pub out: Option<PathBuf>,
-    /// First moment drawn, s
-    #[arg(long, value_name = "S", allow_negative_numbers = true)]
-    pub from_s: Option<f64>,
-    /// Last moment drawn, s
-    #[arg(long, value_name = "S", allow_negative_numbers = true)]
-    pub to_s: Option<f64>,
-    /// Only these feet in `contact`, by leg or link
-    #[arg(long, value_name = "NAME", value_delimiter = ',')]
-    pub feet: Vec<String>,
-    /// Only these joints in `torque`, `gains` and `angles`, by link
-    #[arg(long, value_name = "NAME", value_delimiter = ',')]
-    pub joints: Vec<String>,
-    /// MuJoCo's trace of the same run [default: mujoco/trace.npz beside the trace, where there is one]
-    #[arg(long, value_name = "TRACE.npz")]
-    pub mujoco: Option<PathBuf>,
-    /// Print the numbers on the figures as JSON, and nothing else, on standard output
-    #[arg(long)]
-    pub json: bool,
-    /// Inverse dynamics.
-    #[command(flatten)]
-    pub dynamics: DynamicsArgs,
-    /// How to read a clip.
-    #[command(flatten)]
-    pub clip: ClipArgs,
-}
-
-const PLOT_EXAMPLES: &str = "\
-Examples:
-  contrapposto plot out/bow                                all figures, into out/bow/plots/
-  contrapposto plot out/bow --what contact,residual
-  contrapposto plot out/bow/trace.npz --what torque --joints knee_l,knee_r --out knees.svg
-  contrapposto plot out/bow --what contact --mujoco mujoco.npz --from-s 1 --to-s 3
-  contrapposto plot walk.bvh --what contact,com --smooth 6
-
-Required forces come from inverse dynamics of the motion; those given from penalty contact at the soles;
-those measured from the trace. See docs/ANALYSIS.md.";
-
-/// A file of `analyze`.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-pub enum Format {
-    /// Everything, one row per frame; angles in degrees
-    Csv,
-    /// OpenSim motion files of joint torques and ground reactions
-    Mot,
-    /// Numpy arrays, SI and radians
-    Npz,
-}
-
-/// Arguments of `analyze`.
-#[derive(Debug, Args)]
-#[command(after_help = ANALYZE_EXAMPLES)]
-pub struct AnalyzeArgs {
-    /// Clip (.bvh), scene (.ron), trace.npz or the folder of a run
-    #[arg(value_name = "CLIP")]
-    pub input: PathBuf,
-    /// Folder to write into; an earlier analysis there is replaced when all is complete
-    /// [default: out/NAME-analysis]
-    #[arg(long, value_name = "DIR")]
-    pub out: Option<PathBuf>,
-    /// Files to write, separated by commas
-    #[arg(long, value_enum, value_delimiter = ',', default_value = "csv,mot,npz")]
-    pub format: Vec<Format>,
-    /// Draw nothing
-    #[arg(long)]
-    pub no_plots: bool,
-    /// Print the report as JSON, and nothing else, on standard output
-    #[arg(long)]
-    pub json: bool,
-    /// Inverse dynamics.
-    #[command(flatten)]
-    pub dynamics: DynamicsArgs,
-    /// How to read a clip.
-    #[command(flatten)]
-    pub clip: ClipArgs,
-}
-
-const ANALYZE_EXAMPLES: &str = "\
-Examples:
-  contrapposto analyze walk.bvh
-  contrapposto analyze walk.bvh --body body.ron --smooth 6 --friction 0.6
-  contrapposto analyze out/bow --out check/bow --format csv --no-plots
-  contrapposto analyze walk.bvh --json | jq .residual
-
-Files written into DIR:
-  analysis.csv        everything per frame: forces, torques, centre of pressure, angles (degrees)
-  torques.mot         joint forces, ground_forces.mot: ground reactions, for OpenSim
-  analysis.npz        the same for numpy (SI, radians)
-  report.json         the numbers, see docs/ANALYSIS.md
-  plots/              figures, each as .svg and .png
-
-Same input, same bytes.";
-
 /// The patch of a file, if one is given.
 ///
 /// # Errors
@@ -774,26 +462,8 @@ pub fn patch(path: Option<&std::path::Path>) -> Result<Option<Patch>, SceneError
     path.map(Patch::read).transpose()
 }
 
-fn friction(text: &str) -> Result<f64, String> {
-    number(text, 0.0, 10.0, "")
-}
-
-fn sink(text: &str) -> Result<f64, String> {
-    number(text, 0.01, 100.0, " mm")
-}
-
-fn smoothing(text: &str) -> Result<Smoothing, String> {
-    match text {
-        "auto" => Ok(Smoothing::Auto),
-        "off" => Ok(Smoothing::Off),
-        _ => match text.parse() {
-            Ok(hz) if (0.1..=1000.0).contains(&hz) => Ok(Smoothing::CutoffHz(hz)),
-            _ => Err("allowed: auto, off, or 0.1 to 1000 Hz".into()),
-        },
-    }
-}
-
-fn number(text: &str, lo: f64, hi: f64, unit: &str) -> Result<f64, String> {
+/// A number in a range.
+pub fn number(text: &str, lo: f64, hi: f64, unit: &str) -> Result<f64, String> {
     let x: f64 = text.parse().map_err(|_| format!("not a number; allowed: {lo} to {hi}{unit}"))?;
     if (lo..=hi).contains(&x) { Ok(x) } else { Err(format!("allowed: {lo} to {hi}{unit}")) }
 }
@@ -814,19 +484,23 @@ fn fidelity(text: &str) -> Result<f64, String> {
     number(text, 0.0, 1.0, "")
 }
 
-fn frame_rate(text: &str) -> Result<f64, String> {
+/// Frames per second.
+pub fn frame_rate(text: &str) -> Result<f64, String> {
     number(text, 1.0, 1e3, " Hz")
 }
 
+/// A whole number in a range.
+pub fn whole(text: &str, lo: usize, hi: usize) -> Result<usize, String> {
+    let n = text.parse().ok().filter(|n| (lo..=hi).contains(n));
+    n.ok_or_else(|| format!("allowed: a whole number from {lo} to {hi}"))
+}
+
 fn states(text: &str) -> Result<usize, String> {
-    let allowed = 1..=100_000;
-    let n = text.parse().ok().filter(|n| allowed.contains(n));
-    n.ok_or_else(|| format!("allowed: a whole number from {} to {}", allowed.start(), allowed.end()))
+    whole(text, 1, 100_000)
 }
 
 fn directions(text: &str) -> Result<usize, String> {
-    let n = text.parse().ok().filter(|n| (1..=360).contains(n));
-    n.ok_or_else(|| "allowed: a whole number from 1 to 360".into())
+    whole(text, 1, 360)
 }
 
 fn tolerance(text: &str) -> Result<f64, String> {
@@ -837,17 +511,8 @@ fn push_time(text: &str) -> Result<f64, String> {
     number(text, 0.05, 600.0, " s")
 }
 
-fn suggestions(text: &str) -> Result<usize, String> {
-    let n = text.parse().ok().filter(|n| (1..=100).contains(n));
-    n.ok_or_else(|| "allowed: a whole number from 1 to 100".into())
-}
-
 fn substeps(text: &str) -> Result<usize, String> {
-    let (lo, hi) = (SUBSTEPS.start(), SUBSTEPS.end());
-    match text.parse() {
-        Ok(n) if SUBSTEPS.contains(&n) => Ok(n),
-        _ => Err(format!("allowed: a whole number from {lo} to {hi}")),
-    }
+    whole(text, *SUBSTEPS.start(), *SUBSTEPS.end())
 }
 
 #[cfg(test)]

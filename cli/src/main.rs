@@ -5,7 +5,7 @@
 //!
 //! | module | holds |
 //! |---|---|
-//! | [`args`] | the command line |
+//! | [`args`], [`analysis_args`], [`retarget_args`] | the command line |
 //! | [`render`] | scene or clip to a folder of results |
 //! | [`summary`] | what `render` says at the end |
 //! | [`figures`] | which figures a run gets |
@@ -25,6 +25,7 @@
 //! | [`progress`] | the bar |
 //! | [`failure`] | exit codes |
 
+mod analysis_args;
 mod analysis_text;
 mod analyze;
 mod args;
@@ -41,6 +42,7 @@ mod progress;
 mod push;
 mod render;
 mod retarget;
+mod retarget_args;
 mod retarget_figures;
 mod summary;
 mod sweep;

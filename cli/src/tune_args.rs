@@ -5,6 +5,8 @@ use std::path::PathBuf;
 use clap::{Args, ValueEnum};
 use scenes::tune::{Axis, Shard, SolverKind};
 
+use crate::args::whole;
+
 /// Arguments of `tune`.
 #[derive(Debug, Args)]
 #[command(after_help = EXAMPLES)]
@@ -124,11 +126,6 @@ impl TuneArgs {
         let shard = self.shard.as_deref().map_or(Ok(Shard::WHOLE), str::parse)?;
         Ok((axes, shard))
     }
-}
-
-fn whole(text: &str, lo: usize, hi: usize) -> Result<usize, String> {
-    let n = text.parse().ok().filter(|n| (lo..=hi).contains(n));
-    n.ok_or_else(|| format!("allowed: a whole number from {lo} to {hi}"))
 }
 
 fn evaluations(text: &str) -> Result<usize, String> {

@@ -108,6 +108,19 @@ impl Source {
         })
     }
 
+    /// The path of a file named at `at`, relative to this one.
+    ///
+    /// # Errors
+    /// If there is no such file; `what` says what it should be.
+    pub fn beside(&self, at: &str, what: &str, name: &str) -> Result<PathBuf, SceneError> {
+        let beside = self.path.parent().unwrap_or(Path::new("")).join(name);
+        if beside.is_file() {
+            return Ok(beside);
+        }
+        let message = format!("the {what} `{}` does not exist", beside.display());
+        Err(self.error(at, message).with_help("the path is relative to the scene file"))
+    }
+
     /// An error at the value with this path, see [`SourceMap`].
     pub fn error(&self, at: &str, message: impl Into<String>) -> SceneError {
         let place = line_column(&self.text, self.map.offset(at));

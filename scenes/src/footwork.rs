@@ -8,9 +8,14 @@
 //! and meets the ground at no speed. A jump lifts feet and root alike by `½ g t (T − t)`: flight is ballistic
 //! whatever the pose does.
 
+use dynamics::RootMode;
 use motion::plant::Plant;
 use motion::rotation::exp;
 use motion::{Curve, Transform, Vec3};
+
+use crate::SceneError;
+use crate::scene::{Check, Physics};
+use crate::schema::FootworkRon;
 
 /// One foot goes to another place.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -93,6 +98,61 @@ impl Footwork {
         let moved = at.translation.vector + Vec3::new(to[0], lift, to[1]);
         let rotation = exp(&(Vec3::y() * turn)) * at.rotation;
         Plant { limb: rest.limb.clone(), world_from_end: Transform::from_parts(moved.into(), rotation) }
+    }
+}
+
+impl Check<'_> {
+    /// Steps and jumps of a scene whose `planted` limbs stand.
+    pub(crate) fn footwork(
+        &self,
+        ron: &[FootworkRon],
+        planted: &[usize],
+        physics: &Physics,
+    ) -> Result<Footwork, SceneError> {
+        let mut work = Footwork { gravity: physics.gravity.norm(), ..Footwork::default() };
+        if !ron.is_empty() && physics.root != RootMode::Pinned {
+            let e = "footwork needs `root: Pinned`: a free or assisted root is balanced over feet that stay";
+            return Err(self.source.error("footwork", e));
+        }
+        let names = || planted.iter().map(|&l| self.character.skeleton.limbs()[l].name.as_str());
+        for (i, r) in ron.iter().enumerate() {
+            let place = |field: &str| format!("footwork[{i}].{field}");
+            let time = |field: &str, t: f64, least: f64| self.within(&place(field), t, least, 86_400.0, "s");
+            match r {
+                FootworkRon::Step { limb, start_s, duration_s, to_m, turn_deg, lift_m } => {
+                    let plant = names().position(|n| n == limb).ok_or_else(|| {
+                        self.source.unknown(&place("limb"), "planted limb", limb, " in a step", names())
+                    })?;
+                    let start_s = time("start_s", *start_s, 0.0)?;
+                    let before = work.steps.iter().rev().find(|s: &&Step| s.plant == plant);
+                    if let Some(s) = before.filter(|s| s.start_s + s.duration_s > start_s + 1e-9) {
+                        let e = format!(
+                            "`{limb}` starts a step at {start_s} s, but its last one ends at {:.3} s; steps of one limb follow one another",
+                            s.start_s + s.duration_s
+                        );
+                        return Err(self.source.error(&place("start_s"), e));
+                    }
+                    work.steps.push(Step {
+                        plant,
+                        start_s,
+                        duration_s: time("duration_s", *duration_s, 0.05)?,
+                        to: [
+                            self.within(&place("to_m[0]"), to_m.0, -1e3, 1e3, "m")?,
+                            self.within(&place("to_m[1]"), to_m.1, -1e3, 1e3, "m")?,
+                        ],
+                        turn: self.within(&place("turn_deg"), *turn_deg, -3600.0, 3600.0, "°")?.to_radians(),
+                        lift: self.within(&place("lift_m"), *lift_m, 0.0, 2.0, "m")?,
+                    });
+                }
+                FootworkRon::Jump { start_s, duration_s, point_deg, tuck_m } => work.jumps.push(Jump {
+                    start_s: time("start_s", *start_s, 0.0)?,
+                    duration_s: self.within(&place("duration_s"), *duration_s, 0.05, 10.0, "s")?,
+                    point: self.within(&place("point_deg"), *point_deg, -90.0, 90.0, "°")?.to_radians(),
+                    tuck: self.within(&place("tuck_m"), *tuck_m, 0.0, 2.0, "m")?,
+                }),
+            }
+        }
+        Ok(work)
     }
 }
 

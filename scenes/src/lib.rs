@@ -7,6 +7,7 @@
 //! | module | holds |
 //! |---|---|
 //! | [`scene`] | a scene file, checked |
+//! | [`scene_motion`] | the human motion of a scene that retargets one |
 //! | [`schema`] | its words |
 //! | [`stage`] | a scene or a clip, ready to be performed |
 //! | [`disturbance_report`] | disturbances and falls, as reports give them |
@@ -16,12 +17,10 @@
 //! | [`overrides`] | numbers of the dynamic pass given beside the file |
 //! | [`patch`] | parameters of tension and balance in a file of their own |
 //! | [`standing`] | the parts of a clip a body can perform on its own feet |
-//! | [`export`] | a body as MJCF |
-//! | [`inspect`] | what is in a file |
-//! | [`overrides`] | numbers of the dynamic pass given beside the file |
 //! | [`pareto`] | the trade between fidelity and help from outside |
 //! | [`push`] | the push-recovery map of a standing body |
 //! | [`retargeting`] | human motion put on a character |
+//! | [`reactive`] | gazes of a scene, and how far they missed |
 //! | [`report`] | the numbers of a run |
 //! | [`tune`] | parameters chosen by a search over a cost |
 //! | [`study`] | a trace, clip or scene to be analysed and drawn |
@@ -47,6 +46,7 @@ pub mod reactive;
 pub mod report;
 pub mod retargeting;
 pub mod scene;
+pub mod scene_motion;
 pub mod schema;
 pub mod source_map;
 pub mod stage;

@@ -4,7 +4,7 @@
 //! [`crate::schema`].
 
 use std::collections::BTreeMap;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::sync::Arc;
 
 use controllers::{BalanceSettings, GainBlend, Gaze, Strategy};
@@ -15,12 +15,12 @@ use edits::{
 };
 use motion::script::{Action, Cycle, Insert, Pose, PoseValue, Properties, Script};
 use motion::{Curve, Dof, Joint, LimbKind, Value, Vec3};
-use retarget::MappingModel;
 use sim::{Ground, Push};
 
 use crate::angle::quat_from_deg;
-use crate::footwork::{Footwork, Jump, Step};
+use crate::footwork::Footwork;
 use crate::overrides::{RATES, SUBSTEPS, TENSIONS, set_fidelity};
+use crate::scene_motion::SceneMotion;
 use crate::schema::*;
 use crate::tune::TuneSpec;
 use crate::{Angle, Patch, SceneError, Source, character_file};
@@ -94,19 +94,6 @@ pub struct Scene {
     pub tune: TuneSpec,
 }
 
-/// A human motion to be put on the character of a scene.
-#[derive(Clone, Debug)]
-pub struct SceneMotion {
-    /// The performance or clip.
-    pub of: PathBuf,
-    /// The character's file.
-    pub to: PathBuf,
-    /// The key poses; `None` takes those beside the character.
-    pub key_poses: Option<PathBuf>,
-    /// How it is done.
-    pub options: retarget::Options,
-}
-
 /// Reads a scene and its character.
 ///
 /// # Errors
@@ -123,22 +110,13 @@ pub fn read(path: &Path) -> Result<Scene, SceneError> {
 /// As [`read`].
 pub fn parse(source: Source, name: String) -> Result<Scene, SceneError> {
     let ron: SceneRon = source.parse()?;
-    let beside = source.path().parent().unwrap_or(Path::new("")).join(&ron.character);
-    if !beside.is_file() {
-        let message = format!("the character file `{}` does not exist", beside.display());
-        return Err(source.error("character", message).with_help("the path is relative to the scene file"));
-    }
+    let beside = source.beside("character", "character file", &ron.character)?;
     let read = character_file::read_file(&beside)?;
     let (character, colors) = (Arc::new(read.character), read.colors);
     let check = Check { source: &source, character: &character };
     let mut physics = check.physics(&ron)?;
     if let Some(file) = &ron.patch {
-        let beside = source.path().parent().unwrap_or(Path::new("")).join(file);
-        if !beside.is_file() {
-            let message = format!("the patch `{}` does not exist", beside.display());
-            return Err(source.error("patch", message).with_help("the path is relative to the scene file"));
-        }
-        Patch::read(&beside)?.apply(&mut physics);
+        Patch::read(&source.beside("patch", "patch", file)?)?.apply(&mut physics);
     }
     let scripted = !ron.script.is_empty() || !ron.inserts.is_empty();
     let tune = TuneSpec::read(ron.tune.as_ref(), scripted, &source)?;
@@ -539,105 +517,6 @@ impl Check<'_> {
                 })
             })
             .collect()
-    }
-
-    fn motion(&self, ron: &SceneRon, character: &Path) -> Result<Option<SceneMotion>, SceneError> {
-        let Some(MotionRon::Retarget { of, keyposes, model, stop_after }) = &ron.motion else {
-            return Ok(None);
-        };
-        for (field, used) in [
-            ("script", !ron.script.is_empty()),
-            ("inserts", !ron.inserts.is_empty()),
-            ("edits", !ron.edits.is_empty()),
-            ("footwork", !ron.footwork.is_empty()),
-        ] {
-            if used {
-                let e = format!("a scene has either a `motion` or a script; `{field}` is of a script");
-                return Err(self.source.error(field, e));
-            }
-        }
-        let folder = self.source.path().parent().unwrap_or(Path::new(""));
-        let of_path = folder.join(of);
-        if !of_path.is_file() {
-            let e = format!("the performance `{}` does not exist", of_path.display());
-            return Err(self
-                .source
-                .error("motion.of", e)
-                .with_help("the path is relative to the scene file"));
-        }
-        Ok(Some(SceneMotion {
-            of: of_path,
-            to: character.to_owned(),
-            key_poses: keyposes.as_ref().map(|k| folder.join(k)),
-            options: retarget::Options {
-                model: match model {
-                    ModelRon::Gplvm => MappingModel::Gplvm,
-                    ModelRon::Gp => MappingModel::Gp,
-                    ModelRon::Pca => MappingModel::Pca,
-                    ModelRon::Nn3 => MappingModel::Nn3,
-                    ModelRon::Nn10 => MappingModel::Nn10,
-                },
-                stop_after: match stop_after {
-                    StopAfterRon::Map => retarget::Stage::Map,
-                    StopAfterRon::Global => retarget::Stage::Global,
-                    StopAfterRon::Contact => retarget::Stage::Contact,
-                    StopAfterRon::Refine => retarget::Stage::Refine,
-                },
-                ..retarget::Options::default()
-            },
-        }))
-    }
-
-    fn footwork(
-        &self,
-        ron: &[FootworkRon],
-        planted: &[usize],
-        physics: &Physics,
-    ) -> Result<Footwork, SceneError> {
-        let mut work = Footwork { gravity: physics.gravity.norm(), ..Footwork::default() };
-        if !ron.is_empty() && physics.root != RootMode::Pinned {
-            let e = "footwork needs `root: Pinned`: a free or assisted root is balanced over feet that stay";
-            return Err(self.source.error("footwork", e));
-        }
-        let names = || planted.iter().map(|&l| self.character.skeleton.limbs()[l].name.as_str());
-        for (i, r) in ron.iter().enumerate() {
-            let place = |field: &str| format!("footwork[{i}].{field}");
-            let time = |field: &str, t: f64, least: f64| self.within(&place(field), t, least, 86_400.0, "s");
-            match r {
-                FootworkRon::Step { limb, start_s, duration_s, to_m, turn_deg, lift_m } => {
-                    let plant = names().position(|n| n == limb).ok_or_else(|| {
-                        self.source.unknown(&place("limb"), "planted limb", limb, " in a step", names())
-                    })?;
-                    let start_s = time("start_s", *start_s, 0.0)?;
-                    let before = work.steps.iter().rev().find(|s: &&Step| s.plant == plant);
-                    if let Some(s) = before.filter(|s| s.start_s + s.duration_s > start_s + 1e-9) {
-                        let e = format!(
-                            "`{limb}` starts a step at {start_s} s, but its last one ends at {:.3} s; steps of one limb follow one another",
-                            s.start_s + s.duration_s
-                        );
-                        return Err(self.source.error(&place("start_s"), e));
-                    }
-                    work.steps.push(Step {
-                        plant,
-                        start_s,
-                        duration_s: time("duration_s", *duration_s, 0.05)?,
-                        to: [
-                            self.within(&place("to_m[0]"), to_m.0, -1e3, 1e3, "m")?,
-                            self.within(&place("to_m[1]"), to_m.1, -1e3, 1e3, "m")?,
-                        ],
-                        turn: self.within(&place("turn_deg"), *turn_deg, -3600.0, 3600.0, "°")?.to_radians(),
-                        lift: self.within(&place("lift_m"), *lift_m, 0.0, 2.0, "m")?,
-                    });
-                }
-                FootworkRon::Jump { start_s, duration_s, point_deg, tuck_m } => work.jumps.push(Jump {
-                    start_s: time("start_s", *start_s, 0.0)?,
-                    duration_s: self.within(&place("duration_s"), *duration_s, 0.05, 10.0, "s")?,
-                    point: self.within(&place("point_deg"), *point_deg, -90.0, 90.0, "°")?.to_radians(),
-                    tuck: self.within(&place("tuck_m"), *tuck_m, 0.0, 2.0, "m")?,
-                }),
-            }
-        }
-        Ok(work)
     }
 }
 

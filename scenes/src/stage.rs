@@ -30,7 +30,8 @@ use sim::{Ground, Pass, PassError, Push};
 
 use crate::overrides::Overrides;
 use crate::retargeting::{RetargetingError, Session};
-use crate::scene::{self, Physics, Scene, SceneMotion};
+use crate::scene::{self, Physics, Scene};
+use crate::scene_motion::SceneMotion;
 use crate::schema::StripRon;
 use crate::standing::{FRICTION, stance};
 use crate::tune::TuneSpec;

@@ -1,0 +1,136 @@
+//! The command line of `retarget`.
+
+use std::path::PathBuf;
+
+use clap::{Args, ValueEnum};
+use scenes::retarget::{MappingModel, Stage};
+
+use crate::args::{ClipArgs, frame_rate, whole};
+
+/// The statistical model of `retarget`.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
+pub enum ModelChoice {
+    /// Shared Gaussian-process latent-variable model
+    #[default]
+    Gplvm,
+    /// Gaussian-process regression
+    Gp,
+    /// Principal components and a linear map
+    Pca,
+    /// Mean of the three nearest key poses
+    Nn3,
+    /// Mean of the ten nearest key poses
+    Nn10,
+}
+
+impl ModelChoice {
+    /// The same as the pipeline takes it.
+    pub fn model(self) -> MappingModel {
+        match self {
+            Self::Gplvm => MappingModel::Gplvm,
+            Self::Gp => MappingModel::Gp,
+            Self::Pca => MappingModel::Pca,
+            Self::Nn3 => MappingModel::Nn3,
+            Self::Nn10 => MappingModel::Nn10,
+        }
+    }
+}
+
+/// A stage of `retarget`.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
+pub enum StopAfter {
+    /// Poses, in place
+    Map,
+    /// Travel and turning, by momentum
+    Global,
+    /// Contact points held on the ground
+    Contact,
+    /// Forces that a ground can give
+    #[default]
+    Refine,
+}
+
+impl StopAfter {
+    /// The same as the pipeline takes it.
+    pub fn stage(self) -> Stage {
+        match self {
+            Self::Map => Stage::Map,
+            Self::Global => Stage::Global,
+            Self::Contact => Stage::Contact,
+            Self::Refine => Stage::Refine,
+        }
+    }
+}
+
+/// Arguments of `retarget`.
+#[derive(Debug, Args)]
+#[command(after_help = RETARGET_EXAMPLES)]
+pub struct RetargetArgs {
+    /// Human motion: a scene of a human figure (.ron) or a motion-capture clip (.bvh)
+    #[arg(value_name = "PERFORMANCE.ron|CLIP.bvh")]
+    pub input: PathBuf,
+    /// Character file of the body that gets it
+    #[arg(long, value_name = "CHARACTER.ron")]
+    pub to: PathBuf,
+    /// Key poses to learn from [default: keyposes/NAME.ron beside the folder of the character]
+    #[arg(long, value_name = "FILE.ron")]
+    pub keyposes: Option<PathBuf>,
+    /// How poses are mapped
+    #[arg(long, value_enum, default_value_t)]
+    pub model: ModelChoice,
+    /// The last stage
+    #[arg(long, value_enum, default_value_t)]
+    pub stop_after: StopAfter,
+    /// Frames per second to work at and to write [default: the motion's]
+    #[arg(long, value_name = "HZ", value_parser = frame_rate, allow_negative_numbers = true)]
+    pub rate: Option<f64>,
+    /// Name the N moments whose poses the model is least sure of
+    #[arg(long, value_name = "N", value_parser = suggestions)]
+    pub suggest_keyposes: Option<usize>,
+    /// Run all five models and table their errors at the key poses
+    #[arg(long)]
+    pub compare: bool,
+    /// Print first guesses for key poses at these moments, s, as lines for a file of key poses, and do nothing else
+    #[arg(long, value_name = "S", value_delimiter = ',', allow_negative_numbers = true)]
+    pub guess: Vec<f64>,
+    /// Draw all key poses beside the human poses they stand for, into DIR/plots, and do nothing else
+    #[arg(long, conflicts_with = "guess")]
+    pub sheet: bool,
+    /// Folder to write into; earlier output there is replaced when all is complete
+    /// [default: out/PERFORMANCE-CHARACTER]
+    #[arg(long, value_name = "DIR")]
+    pub out: Option<PathBuf>,
+    /// Draw nothing
+    #[arg(long)]
+    pub no_plots: bool,
+    /// Print the report as JSON, and nothing else, on standard output
+    #[arg(long)]
+    pub json: bool,
+    /// How to read a clip.
+    #[command(flatten)]
+    pub clip: ClipArgs,
+}
+
+const RETARGET_EXAMPLES: &str = "\
+Examples:
+  contrapposto retarget scenes/performances/anger.ron --to scenes/characters/lamp.ron
+  contrapposto retarget walk.bvh --to scenes/characters/penguin.ron --rate 30
+  contrapposto retarget scenes/performances/fear.ron --to scenes/characters/squirrel.ron --model nn3 --stop-after map
+  contrapposto retarget walk.bvh --to scenes/characters/lamp.ron --suggest-keyposes 5
+  contrapposto retarget scenes/performances/fear.ron --to scenes/characters/lamp.ron --guess 1.5,7
+
+Files written into DIR:
+  retargeted.bvh      the motion on the character
+  retargeted.glb      the same with its body, for any 3-D tool
+  human.bvh           the human motion as it was used
+  report.json         the numbers, see docs/RETARGET.md
+  plots/              film strip of all stages, confidence, latent path, momentum, forces
+
+Give the result a dynamic pass with
+  contrapposto render DIR/retargeted.bvh --body CHARACTER.ron --units 0.01 --up y
+
+Same input, same bytes.";
+
+fn suggestions(text: &str) -> Result<usize, String> {
+    whole(text, 1, 100)
+}
