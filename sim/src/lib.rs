@@ -9,11 +9,13 @@
 //! | [`world`] | the articulated body and the ground in rapier |
 //! | [`engine`] | what the pass asks of an engine |
 //! | [`contacts`] | contact forces |
+//! | [`momentum`] | what integration loses of a free body's momentum |
 //! | [`pass`] | a whole run, recorded |
 
 pub mod contacts;
 pub mod engine;
 mod load;
+pub mod momentum;
 pub mod pass;
 pub mod world;
 
