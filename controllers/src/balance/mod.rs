@@ -20,21 +20,24 @@
 //! 5. *Ankle limit*: the torque of each ankle is limited so that its own centre of pressure stays
 //!    inside its sole; a stiff ankle would tip the foot.
 //!
+//! Feet that lie flat tell how the ground lies, which may turn: the legs' goals are over the feet as they stand.
+//!
 //! A goal that moves through its own dynamics (a captured clip) comes with a [`Feed`], see [`Balance::follow`]: errors
 //! and their rates are then to the moving goal, the force and the lead of its centre of pressure over its centre of
 //! mass are added, and the feet share the load by the pressures of their corners ([`pressed_wrenches`]), which reach
 //! the corners of the support where an equal offset of both feet leaves one sole too soon.
 //!
-//! In: state, goal pose, feet. Out: drives of the legs and the spine. No clock and no engine; its memory is the integral,
+//! In: state, contacts, goal pose, feet. Out: drives of the legs and the spine. No clock and no engine; its memory is the integral,
 //! the lean, how far the answers to pushes are awake and the pelvis' last velocity. World frame.
 
 mod ankle;
 mod hip;
 mod settings;
+mod soles;
 mod weight;
 
 use dynamics::rnea::joint_force;
-use dynamics::{Model, State};
+use dynamics::{ContactSample, Model, State};
 use motion::Vec3;
 use motion::ik::IkError;
 use motion::plant::{Plant, plant};
@@ -49,6 +52,7 @@ use crate::{Drive, Feed, Rest, rest_of};
 
 use hip::Hip;
 pub use settings::{BalanceSettings, Strategy, StrategyError};
+use soles::Soles;
 use weight::{Line, Wake};
 
 /// What a balance step needs to know of one leg's muscles.
@@ -66,6 +70,7 @@ pub struct Balance {
     settings: BalanceSettings,
     feet: Vec<Foot>,
     plants: Vec<Plant>,
+    soles: Soles,
     integral: Vec2,
     feed: Option<Feed>,
     /// What wakes the weight shift, and the hip strategy.
@@ -110,6 +115,7 @@ impl Balance {
         let mut tried = State::new(model);
         Self {
             settings,
+            soles: Soles::new(&feet, &plants),
             feet,
             plants,
             integral: Vec2::zeros(),
@@ -135,6 +141,16 @@ impl Balance {
     /// moves slowly. Errors are then those to the moving goal.
     pub fn follow(&mut self, feed: Option<Feed>) {
         self.feed = feed;
+    }
+
+    /// Takes in how the soles pressed in the last step: where they lie flat, they tell how the ground lies.
+    fn feel(&mut self, model: &Model, q: &[f64], touching: &[ContactSample]) {
+        if touching.is_empty() {
+            return;
+        }
+        self.now.update(model, q, &self.still);
+        self.soles.feel(&self.feet, model, &self.now, touching);
+        self.soles.plants(&mut self.plants);
     }
 
     /// Bodies of the legs it drives: thigh, shin, foot of each foot.
@@ -396,6 +412,7 @@ fn limit(x: Vec2, length: f64) -> Vec2 {
 
 impl Reactive for Balance {
     fn react(&mut self, m: &Moment<'_>, drives: &mut [Drive]) -> Result<(), IkError> {
+        self.feel(m.model, m.q, m.touching);
         let (state, goal) = ((m.q, m.v), (m.goal_q, m.goal_v));
         self.update(m.model, m.set_points, m.muscles, state, goal, m.lift, m.dt, drives)
     }
