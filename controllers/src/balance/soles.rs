@@ -66,7 +66,8 @@ impl Soles {
             return;
         }
         let turn = turn / count;
-        self.turn = turn * (1.0 - LEVEL / turn.norm().max(LEVEL));
+        let beyond = 1.0 - LEVEL / turn.norm().max(LEVEL);
+        self.turn = turn * beyond;
         if self.turn == Vec3::zeros() {
             self.rise = 0.0;
             return;
@@ -77,7 +78,7 @@ impl Soles {
             (foot_pose(&feet[i], model, state) * local).y - self.carried(exp(&self.turn), middle).y
         };
         let rises = (0..self.homes.len()).filter(|i| self.flat[*i]).map(at);
-        self.rise = rises.sum::<f64>() / count;
+        self.rise = rises.sum::<f64>() / count * beyond;
     }
 
     /// Where the feet stand now.
