@@ -5,6 +5,10 @@
 //! the joint likelihood (2) over X and both kernels; mapping a new pose y finds its x and reads mean (3) and
 //! variance (4) of the character there.
 //!
+//! Two spaces of equal voice. Outputs of fewer coordinates than inputs count as if they had as many: a lamp has 45,
+//! its human 81, and a latent space shaped by the human's alone generalises worse (`tests/rule.rs`: by 2 % with key
+//! poses that are 5° rough, by 10 % with 20°; exact ones lose 9 %).
+//!
 //! Finding x. The paper takes the x that best explains y (5). The likelihood counts every coordinate of a pose as
 //! an observation of its own, some 80 of them where a body has some ten independent ones, and latent points
 //! absorb what pairs disagree in, so that no noise is left: a pose never seen is then explained to the last
@@ -213,7 +217,10 @@ impl SharedGplvm {
         let mut r2 = vec![0.0; n * n];
         squared_distances(&x, q, &mut r2);
         let kernel = Kernel::start(median_squared(&r2, n).max(1e-6));
-        let mut joint = Joint::new([View::new(&y.points), View::new(&z.points)], n, q);
+        // Equal voice, see the module header.
+        let weight = (pairs.input_dim() as f64 / pairs.output_dim() as f64).max(1.0);
+        let views = [View::new(&y.points), View::weighted(&z.points, weight)];
+        let mut joint = Joint::new(views, n, q);
         let start = joint.pack(&x, &[kernel; 2]);
         let d = descend(&mut joint, start, options.iterations)?;
         let learning = Learning {
