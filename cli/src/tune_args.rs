@@ -68,7 +68,7 @@ const EXAMPLES: &str = "\
 Examples:
   contrapposto tune scenes/stand.ron                        improve what the scene has
   contrapposto tune scenes/stand.ron --start random --seed 7
-  contrapposto tune scenes/stand.ron --parameters weight,weight_damping --solver nelder-mead
+  contrapposto tune scenes/stand.ron --parameters catch_gain,hip_stroke_deg --solver nelder-mead
   contrapposto push scenes/stand.ron --patch out/stand-tune/patch.ron
   contrapposto tune --list
   contrapposto tune scenes/stand.ron --sweep shift=0..1.2:7 --sweep tension=0.5..2:4

@@ -157,64 +157,70 @@ pub const PARAMETERS: &[Parameter] = &[
         "the centre of pressure stays this far inside the soles; lower uses more of them and may tip a foot"
     ),
     balance!(
-        weight_from_m_s,
+        wake_from_m_s,
         "m/s",
         0.2 to 0.45,
-        "speed of the capture point at which weight shift and hip wake; lower answers to what the motion stirs up"
+        "speed of the capture point at which the answer to pushes wakes; lower answers to what the motion stirs up"
     ),
     balance!(
-        weight_full_m_s,
+        wake_full_m_s,
         "m/s",
         0.46 to 1.0,
-        "speed at which they act whole; lower is more abrupt, higher answers hard pushes only"
+        "speed at which it acts whole; lower is more abrupt, higher answers hard pushes only"
     ),
     balance!(
-        weight_rest_m,
+        wake_rest_m,
         "m",
         0.002 to 0.03,
-        "error below which the weight shift sleeps again; higher leaves the rest of the way to the springs"
+        "error below which it sleeps again; higher leaves the rest of the way to the springs"
     ),
     balance!(
-        weight,
+        catch_gain,
         "m/m",
-        0.5 to 3.0,
-        "shift of the centre of pressure between the feet per error; higher returns sooner, too high lifts a foot"
+        0.2 to 4.0,
+        "how far beyond the capture point the pressure is wanted under a push; higher returns sooner, too high rocks"
     ),
     balance!(
-        weight_damping,
-        "m/m",
-        1.0 to 4.0,
-        "the same per velocity over ω₀; 1 holds the capture point where it is, higher brings it back"
+        catch_ahead_s,
+        "s",
+        0.0 to 0.12,
+        "how far ahead the capture point is foreseen; higher answers sooner, too high leans for nothing"
     ),
     balance!(
-        weight_yield,
-        "",
-        0.0 to 1.0,
-        "how far the legs let the pelvis go to the side; lower drags the unloaded foot sooner"
+        catch_margin_m,
+        "m",
+        0.002 to 0.02,
+        "margin inside the soles under a push; lower uses more of them, too low turns a foot about its corner"
     ),
     balance!(
-        least_share,
-        "",
-        0.05 to 1.0,
-        "part of its stiffness an unloaded leg keeps; lower leaves it limp, 1 keeps both legs alike"
+        hip_reserve_m,
+        "m",
+        0.0 to 0.06,
+        "how far inside the support's edge a capture point is that the trunk leans for; higher leans sooner"
     ),
     balance!(
         hip_gain,
         "m/m",
-        0.0 to 4.0,
-        "how far beyond the capture point the pressure is wanted; higher leans sooner and harder"
+        0.5 to 15.0,
+        "moment of a lean over the weight, per way of the capture point beyond that; higher leans harder"
+    ),
+    balance!(
+        hip_share,
+        "",
+        0.05 to 1.0,
+        "part of the pressure's room that brings the trunk back; the rest brings the body back"
     ),
     balance!(
         hip_moment_nm,
         "N·m",
         50.0 to 300.0,
-        "largest moment of a lean fore and aft; higher catches harder pushes, too high lifts the heels"
+        "largest moment of a lean fore and aft; higher catches harder pushes, too high tips the feet"
     ),
     balance!(
         hip_side_moment_nm,
         "N·m",
-        10.0 to 150.0,
-        "largest moment of a lean to the side; too high throws the load from foot to foot"
+        50.0 to 300.0,
+        "largest moment of a lean to the side; higher catches harder pushes, too high tips the feet"
     ),
     Parameter {
         name: "hip_stroke_deg",
@@ -230,20 +236,19 @@ pub const PARAMETERS: &[Parameter] = &[
         hip_brake,
         "",
         0.1 to 1.0,
-        "part of the moment a lean is stopped with; lower brakes sooner and softer"
+        "part of the moment with which a lean begins to be stopped; lower brakes sooner and softer"
     ),
     balance!(
         hip_return_rad_s,
         "rad/s",
         0.5 to 5.0,
-        "natural frequency of the way back from a lean; higher returns sooner and asks more of the ankles"
+        "natural frequency of the way back from a lean; higher returns sooner and asks more of the ground"
     ),
-    balance!(hip_lag_s, "s", 0.005 to 0.1, "time constant of a lean's moment; lower is more sudden"),
     balance!(
-        hip_pelvis,
-        "",
-        0.0 to 1.0,
-        "part of a lean fore and aft that the pelvis takes; the spine takes the rest"
+        hip_lag_s,
+        "s",
+        0.005 to 0.1,
+        "time constant of a lean's moment; lower is more sudden"
     ),
 ];
 
@@ -317,10 +322,10 @@ mod tests {
         }
     }
 
-    /// Every corner of the ranges keeps the order of the two speeds between which the weight shift fades in.
+    /// Every corner of the ranges keeps the order of the two speeds between which the answer to pushes fades in.
     #[test]
     fn ranges_need_no_order() {
-        let (from, full) = (parameter("weight_from_m_s").unwrap(), parameter("weight_full_m_s").unwrap());
+        let (from, full) = (parameter("wake_from_m_s").unwrap(), parameter("wake_full_m_s").unwrap());
         assert!(from.hi < full.lo);
     }
 }

@@ -42,6 +42,7 @@ pub mod forward;
 pub mod ground_forces;
 pub mod import;
 pub mod inertia;
+pub mod jacobian;
 pub mod mjcf;
 pub mod model;
 pub mod mujoco_layout;

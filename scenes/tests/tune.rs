@@ -154,15 +154,16 @@ fn another_run_has_another_name() {
 fn patches_apply() {
     let dir = folder("patch");
     let name = dir.join("p.ron");
-    std::fs::write(&name, r#"Patch(set: {"weight": (was: 1.5, is: 2.0), "tension": (is: 1.5)})"#).unwrap();
+    std::fs::write(&name, r#"Patch(set: {"catch_gain": (was: 1.5, is: 2.0), "tension": (is: 1.5)})"#)
+        .unwrap();
     let mut stage = stand_with(&format!("patch: {:?},", name.to_str().unwrap())).unwrap();
     let t = stage.tunable();
-    assert_eq!((t.balance.weight, t.tension), (2.0, 1.5));
-    assert_eq!(stage.pass().setup.balance.weight, 2.0);
+    assert_eq!((t.balance.catch_gain, t.tension), (2.0, 1.5));
+    assert_eq!(stage.pass().setup.balance.catch_gain, 2.0);
     assert_eq!(stage.pass().setup.tension, 1.5);
-    let later = Patch::parse(&Source::new("q.ron", r#"Patch(set: {"weight": (is: 1.0)})"#)).unwrap();
+    let later = Patch::parse(&Source::new("q.ron", r#"Patch(set: {"catch_gain": (is: 1.0)})"#)).unwrap();
     later.apply(&mut stage.physics);
-    assert_eq!((stage.tunable().balance.weight, stage.tunable().tension), (1.0, 1.5));
+    assert_eq!((stage.tunable().balance.catch_gain, stage.tunable().tension), (1.0, 1.5));
     std::fs::remove_dir_all(dir).unwrap();
 }
 

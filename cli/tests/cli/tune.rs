@@ -189,5 +189,5 @@ fn bad_input_is_told() {
     }
     assert!(!place.at("out").exists());
     let list = place.run(&["tune", "--list"]);
-    assert!(list.code == 0 && list.stdout.contains("weight_yield"), "{}", list.stdout);
+    assert!(list.code == 0 && list.stdout.contains("hip_reserve_m"), "{}", list.stdout);
 }

@@ -20,36 +20,41 @@
 //! 5. *Ankle limit*: the torque of each ankle is limited so that its own centre of pressure stays
 //!    inside its sole; a stiff ankle would tip the foot.
 //!
+//! Feet that lie flat tell how the ground lies, which may turn: the legs' goals are over the feet as they stand.
+//!
 //! A goal that moves through its own dynamics (a captured clip) comes with a [`Feed`], see [`Balance::follow`]: errors
 //! and their rates are then to the moving goal, the force and the lead of its centre of pressure over its centre of
 //! mass are added, and the feet share the load by the pressures of their corners ([`pressed_wrenches`]), which reach
 //! the corners of the support where an equal offset of both feet leaves one sole too soon.
 //!
-//! In: state, goal pose, feet. Out: drives of the legs and the spine. No clock and no engine; its memory is the integral,
+//! In: state, contacts, goal pose, feet. Out: drives of the legs and the spine. No clock and no engine; its memory is the integral,
 //! the lean, how far the answers to pushes are awake and the pelvis' last velocity. World frame.
 
 mod ankle;
 mod hip;
+mod momentum;
 mod settings;
-mod weight;
+mod soles;
+mod wake;
 
 use dynamics::rnea::joint_force;
-use dynamics::{Model, State};
-use motion::Vec3;
+use dynamics::{ContactSample, Model, State};
 use motion::ik::IkError;
 use motion::plant::{Plant, plant};
 use motion::rotation::log;
-use motion::skeleton::vec_at;
-use motion::support::{Vec2, ground};
+use motion::support::{Support, Vec2, ground};
+use motion::{LimbKind, Vec3};
 
 use crate::antagonist::SetPoints;
-use crate::reactive::{AHEAD, Moment, Reactive, rate_between};
+use crate::reactive::{Moment, Reactive};
 use crate::support::{Foot, clamp_inside, polygon, pressed_wrenches, shared_wrenches, shares};
-use crate::{Drive, Feed, Rest, rest_of};
+use crate::{Drive, Feed, rest_of};
 
-use hip::Hip;
+use hip::{Hip, Lean};
+use momentum::{Wanted, WholeBody};
 pub use settings::{BalanceSettings, Strategy, StrategyError};
-use weight::{Line, Wake};
+use soles::Soles;
+use wake::Wake;
 
 /// What a balance step needs to know of one leg's muscles.
 #[derive(Clone, Copy, Debug)]
@@ -66,33 +71,24 @@ pub struct Balance {
     settings: BalanceSettings,
     feet: Vec<Foot>,
     plants: Vec<Plant>,
+    soles: Soles,
     integral: Vec2,
     feed: Option<Feed>,
-    /// What wakes the weight shift, and the hip strategy.
-    wake: [Wake; 2],
+    wake: Wake,
     hip: Hip,
-    /// Velocity of the pelvis a step ago, m/s.
-    before: Option<Vec2>,
+    body: WholeBody,
     /// Kinematics as simulated, as asked for, and of whatever pose is tried.
     now: State,
     asked: State,
     tried: State,
     goal: Vec<f64>,
-    ahead: Vec<f64>,
-    leant: Vec<f64>,
-    later: Vec<f64>,
     still: Vec<f64>,
-    accel: Vec<f64>,
     tau: Vec<f64>,
-    /// Spine: loads of the pose asked for, of the pose leant to, and without and with the lean's acceleration.
-    loads: [Vec<f64>; 4],
 }
 
 /// How the body sways, on the ground plane, m.
 struct Sway {
     com: Vec3,
-    /// Where the centre of mass should be.
-    over: Vec2,
     /// e = c − c*.
     error: Vec2,
     /// ċ/ω₀.
@@ -100,34 +96,34 @@ struct Sway {
     /// Error of the capture point, what the goal's own way asks for left out.
     stray: Vec2,
     omega: f64,
+    /// How far the centre of mass is above what is asked, m, and how fast it rises, m/s.
+    above: f64,
+    rise: f64,
 }
 
 impl Balance {
     /// A balance over `feet`, planted at `plants` (same order).
     pub fn new(model: &Model, settings: BalanceSettings, feet: Vec<Foot>, plants: Vec<Plant>) -> Self {
-        let pose = || model.skeleton.zero_pose();
-        let rates = || vec![0.0; model.nv()];
         let mut tried = State::new(model);
+        let hip = Hip::new(model, &mut tried);
+        let limbs = model.skeleton.limbs().iter().filter(|l| settings.arms && l.kind == LimbKind::Arm);
+        let arms: Vec<usize> = limbs.map(|l| model.body_of[l.upper].0).collect();
         Self {
             settings,
-            feet,
-            plants,
+            soles: Soles::new(&feet, &plants),
             integral: Vec2::zeros(),
             feed: None,
-            wake: [Wake::default(); 2],
-            hip: Hip::new(model, &mut tried),
-            before: None,
+            wake: Wake::default(),
+            body: WholeBody::new(model, &feet, &hip.spine, &arms),
+            hip,
+            feet,
+            plants,
             now: State::new(model),
             asked: State::new(model),
             tried,
-            goal: pose(),
-            ahead: pose(),
-            leant: pose(),
-            later: pose(),
-            still: rates(),
-            accel: rates(),
-            tau: rates(),
-            loads: [rates(), rates(), rates(), rates()],
+            goal: model.skeleton.zero_pose(),
+            still: vec![0.0; model.nv()],
+            tau: vec![0.0; model.nv()],
         }
     }
 
@@ -135,6 +131,16 @@ impl Balance {
     /// moves slowly. Errors are then those to the moving goal.
     pub fn follow(&mut self, feed: Option<Feed>) {
         self.feed = feed;
+    }
+
+    /// Takes in how the soles pressed in the last step: where they lie flat, they tell how the ground lies.
+    fn feel(&mut self, model: &Model, q: &[f64], touching: &[ContactSample]) {
+        if touching.is_empty() {
+            return;
+        }
+        self.now.update(model, q, &self.still);
+        self.soles.feel(&self.feet, model, &self.now, touching);
+        self.soles.plants(&mut self.plants);
     }
 
     /// Bodies of the legs it drives: thigh, shin, foot of each foot.
@@ -165,120 +171,67 @@ impl Balance {
         drives: &mut [Drive],
     ) -> Result<(), IkError> {
         let s = self.settings;
-        let skeleton = &model.skeleton;
-        let Sway { com, over, error, rate, stray, omega } = self.sway(model, (q, v), (goal_q, goal_v));
-        let support = polygon(&self.feet, model, &self.now);
-        let centers: Vec<Vec3> = self.feet.iter().map(|f| f.center(model, &self.now)).collect();
+        let sway = self.sway(model, (q, v), (goal_q, goal_v));
         let force = (Vec3::y() * lift - model.gravity) * model.mass;
         let force = self.feed.map_or(force, |f| f.force);
-        let lead = self.feed.map_or(Vec2::zeros(), |f| f.lead);
-        let mut force = if force.y > 0.0 { force } else { Vec3::zeros() };
-        let per_height = omega * omega / model.gravity.norm(); // 1/h
-
-        let mut hip_pressure = None;
-        if s.hip && force.y > 0.0 {
-            if self.hip.inertia.is_none() {
-                self.hip.inertia = Some(self.lean_inertia(model, goal_q, over)?);
-            }
-            let sudden = self.wake[1].update(&s, stray, dt);
-            let wanted = ground(&com) + lead + rate + stray * (s.hip_gain * sudden);
-            let inside = |p| clamp_inside(&support, p, s.margin_m);
-            hip_pressure = Some(self.hip.step(&s, wanted, inside, force.y, dt));
+        let force = if force.y > 0.0 { force } else { Vec3::zeros() };
+        let level = if force.y > 0.0 { self.wake.update(&s, sway.stray, dt) } else { 0.0 };
+        self.stand(model, set_points, muscles, &sway, force, (q, v), (goal_q, goal_v), level, dt, drives)?;
+        if level > 0.0 {
+            self.catch(model, set_points, &sway, force, (q, v), (goal_q, goal_v), level, dt, drives);
         }
-        let leans = !self.hip.rests();
-        let acts = self.hip.activity();
+        Ok(())
+    }
 
-        self.integral += error * (s.shift_rate * dt);
+    /// Standing: the pelvis shifted against the error, legs that carry the body as it stands.
+    #[expect(clippy::too_many_arguments, reason = "a step's inputs, each used once")]
+    fn stand(
+        &mut self,
+        model: &Model,
+        set_points: &[SetPoints],
+        muscles: &[LegMuscle],
+        sway: &Sway,
+        force: Vec3,
+        (q, v): (&[f64], &[f64]),
+        (goal_q, goal_v): (&[f64], &[f64]),
+        level: f64,
+        dt: f64,
+        drives: &mut [Drive],
+    ) -> Result<(), IkError> {
+        let s = self.settings;
+        let skeleton = &model.skeleton;
+        let Sway { com, error, rate, omega, .. } = *sway;
+        let lead = self.feed.map_or(Vec2::zeros(), |f| f.lead);
+        let per_height = omega * omega / model.gravity.norm(); // 1/h
+        let support = polygon(&self.feet, model, &self.now);
+
+        self.integral += error * (s.shift_rate * dt * (1.0 - level));
         self.integral = limit(self.integral, s.shift_limit_m);
         let shift = limit(-(error * s.shift + rate * s.shift_damping) - self.integral, s.shift_limit_m);
         let shift = if s.ankle { shift } else { Vec2::zeros() };
-        let line = if s.weight_shift { Line::between(&self.feet, &centers, model, &self.now) } else { None };
-        // what the motion itself stirs up is left to the springs
-        let fade = line.as_ref().map_or(0.0, |l| self.wake[0].update(&s, l.part(stray), dt));
-        let line = line.filter(|_| fade > 0.0);
-        let along = |x: Vec2| line.as_ref().map_or(Vec2::zeros(), |l| l.part(x)) * fade;
-        let reacts = line.is_some() || leans;
-
-        // where the legs go: the goal, leant, over the feet, shifted, along the line wherever the pelvis goes
+        // where the legs go: the goal over the feet, shifted
         self.goal.copy_from_slice(goal_q);
-        let mut moved = Vec2::zeros();
-        if leans {
-            moved = self.lean(model, self.hip.lean, goal_q, over)?;
-            self.goal.copy_from_slice(&self.leant);
-        }
-        let root = skeleton.position(&self.goal, 0);
-        let gone = along(ground(&(skeleton.position(q, 0) - root)) - shift) * s.weight_yield;
-        let shift = shift + gone;
-        let root = root + Vec3::new(shift.x, 0.0, shift.y);
+        let root = skeleton.position(&self.goal, 0) + Vec3::new(shift.x, 0.0, shift.y);
         skeleton.set_position(&mut self.goal, 0, &root);
         plant(skeleton, &mut self.goal, &self.plants)?;
-        // and how fast
-        let speed = ground(&vec_at(v, 0));
-        self.ahead.copy_from_slice(&self.goal);
-        if reacts {
-            let asked = if self.feed.is_some() { ground(&vec_at(goal_v, 0)) } else { Vec2::zeros() };
-            let mut going = along(speed - asked) * (s.weight_yield * AHEAD);
-            if leans {
-                let on = self.lean(model, self.hip.lean + self.hip.rate * AHEAD, goal_q, over)? - moved;
-                going += on - along(on) * s.weight_yield;
-                self.ahead.copy_from_slice(&self.leant);
-            }
-            skeleton.set_position(&mut self.ahead, 0, &(root + Vec3::new(going.x, 0.0, going.y)));
-            plant(skeleton, &mut self.ahead, &self.plants)?;
-        }
-        // and with what acceleration: that of the lean, and what else the pelvis has
-        let measured = self.before.map_or(Vec2::zeros(), |before| (speed - before) / dt);
-        self.before = Some(speed);
-        self.accel.fill(0.0);
-        let mut unforeseen = Vec2::zeros();
-        if reacts {
-            self.lean(model, self.hip.lean + self.hip.push * AHEAD, goal_q, over)?;
-            self.later.copy_from_slice(&self.leant);
-            self.lean(model, self.hip.lean, goal_q, over)?;
-            let from = skeleton.position(&self.leant, 0);
-            let foreseen = ground(&(skeleton.position(&self.later, 0) - from)) / AHEAD;
-            let extra = measured - foreseen;
-            unforeseen =
-                along(extra) + (extra - line.as_ref().map_or(Vec2::zeros(), |l| l.part(extra)) * fade) * acts;
-            let p = skeleton.position(&self.later, 0) + Vec3::new(unforeseen.x, 0.0, unforeseen.y) * AHEAD;
-            skeleton.set_position(&mut self.later, 0, &p);
-            plant(skeleton, &mut self.later, &self.plants)?;
-            skeleton.difference(&self.leant, &self.later, AHEAD, &mut self.accel);
-        }
 
         // the legs carry the body as it stands
-        let pressure = ground(&com)
-            + lead
-            + error * s.pressure
-            + rate * s.pressure_damping
-            + along(error) * (s.weight - s.pressure)
-            + along(rate) * (s.weight_damping - s.pressure_damping);
-        let pressure = hip_pressure.map_or(pressure, |p| pressure + (p - pressure) * acts);
+        let pressure = ground(&com) + lead + error * s.pressure + rate * s.pressure_damping;
         let pressure = if s.ankle { pressure } else { ground(&com) + lead };
         let pressure = clamp_inside(&support, pressure, s.margin_m);
-        let fall = ground(&com) + lead - pressure;
-        let pointed =
-            along(fall) + (fall - line.as_ref().map_or(Vec2::zeros(), |l| l.part(fall)) * fade) * acts;
-        let thrust = (pointed * force.y - self.hip.moment()) * per_height;
-        force += Vec3::new(thrust.x, 0.0, thrust.y);
         self.now.update(model, q, &self.still);
         let (shares, loads) = if self.feed.is_some() {
             pressed_wrenches(&self.feet, model, &self.now, pressure, force)
         } else {
-            let sharing = line.as_ref().map_or(pressure, |l| l.sharing(pressure));
-            let shares = shares(&centers, pressure + (sharing - pressure) * fade);
+            let centers: Vec<Vec3> = self.feet.iter().map(|f| f.center(model, &self.now)).collect();
+            let shares = shares(&centers, pressure);
             let loads = shared_wrenches(&self.feet, &centers, &shares, pressure, force);
             (shares, loads)
         };
-        self.now.inverse_dynamics(model, &self.still, &self.accel, &loads, &mut self.tau);
-        if leans {
-            self.lean_spine(model, set_points, goal_q, unforeseen, drives);
-        }
+        self.now.inverse_dynamics(model, &self.still, &self.still, &loads, &mut self.tau);
 
         let ankle = s.ankle_stiffness.map(|x| x * model.mass * model.gravity.norm() / per_height);
         for (f, foot) in self.feet.iter().enumerate() {
-            let even = shares[f] * self.feet.len() as f64;
-            let part = 1.0 + fade * (1.0 - s.least_share) * (even - 1.0);
             for link in [foot.limb.upper, foot.limb.lower, foot.limb.end] {
                 let body = model.body_of[link].0;
                 let b = &model.bodies[body];
@@ -288,14 +241,9 @@ impl Balance {
                     damping *= (set / stiffness).sqrt(); // the damping ratio stays
                     stiffness = set;
                 }
-                let (stiffness, damping) = (stiffness * part, damping * part);
                 let lets_go = !s.ankle && link == foot.limb.end;
                 let target = rest_of(model, body, if lets_go { q } else { &self.goal });
-                let mut rate = joint_force(&b.joint, goal_v, b.v_at);
-                if reacts && !lets_go {
-                    rate += rate_between(&target, &rest_of(model, body, &self.ahead));
-                }
-                let rate = rate * damping;
+                let rate = joint_force(&b.joint, goal_v, b.v_at) * damping;
                 let load = -joint_force(&b.joint, &self.tau, b.v_at) - rate;
                 drives[body] =
                     Drive { stiffness, damping, rest: set_points[body].rest(&target, load, stiffness) };
@@ -306,11 +254,69 @@ impl Balance {
         Ok(())
     }
 
+    /// Catching: the whole body moves so that the ground pushes it back.
+    #[expect(clippy::too_many_arguments, reason = "a step's inputs, each used once")]
+    fn catch(
+        &mut self,
+        model: &Model,
+        set_points: &[SetPoints],
+        sway: &Sway,
+        mut force: Vec3,
+        (q, v): (&[f64], &[f64]),
+        (goal_q, goal_v): (&[f64], &[f64]),
+        level: f64,
+        dt: f64,
+        drives: &mut [Drive],
+    ) {
+        let s = self.settings;
+        let lead = self.feed.map_or(Vec2::zeros(), |f| f.lead);
+        let per_height = sway.omega * sway.omega / model.gravity.norm();
+        self.now.update(model, q, v);
+        let lean = self.leans(model, goal_q);
+        let floor =
+            self.feet.iter().map(|f| f.center(model, &self.now).y).sum::<f64>() / self.feet.len() as f64;
+        let middle = ground(&sway.com) + lead;
+        let support = if s.weight_shift {
+            polygon(&self.feet, model, &self.now)
+        } else {
+            alike(&self.feet, model, &self.now)
+        };
+        let inside = |p| if s.ankle { clamp_inside(&support, p, s.catch_margin_m) } else { middle };
+        let caught = middle + sway.rate;
+        let soon = caught + self.wake.speed * s.catch_ahead_s;
+        let beyond = soon - clamp_inside(&support, soon, s.catch_margin_m + s.hip_reserve_m);
+        self.hip.step(&s, caught, beyond, inside, force.y, lean, dt);
+        let wanted = soon + sway.stray * s.catch_gain;
+        // a moment that brings the trunk back is the ground's to give; one that leans it comes on top
+        let moment = self.hip.moment();
+        let way = (wanted - middle).try_normalize(1e-9).unwrap_or_default();
+        let pressure = inside(wanted - (moment - way * moment.dot(&way).max(0.0)) / force.y);
+        // m h c̈ = F h = m g (c − p) − L̇
+        let thrust = ((middle - pressure) * force.y - moment) * per_height;
+        force += Vec3::new(thrust.x, 0.0, thrust.y);
+        let wanted = Wanted { force, pressure, floor, above: sway.above, rise: sway.rise };
+        let (state, goal) = ((q, v), (goal_q, goal_v));
+        self.body.solve(model, &mut self.now, (&self.feet, &self.plants), &wanted, state, goal);
+        let feet = (&self.feet[..], floor, !s.weight_shift);
+        self.body.drive(model, &mut self.now, feet, set_points, state, dt, level, drives);
+    }
+
+    /// How the chest leans, against the pose asked for.
+    fn leans(&mut self, model: &Model, goal_q: &[f64]) -> Lean {
+        let Some(&chest) = self.hip.spine.last() else { return Lean::default() };
+        if self.hip.inertia.is_none() {
+            self.hip.inertia = Some(self.lean_inertia(model, goal_q));
+        }
+        let (now, asked) = (&self.now.bodies[chest], &self.asked.bodies[chest]);
+        let turned = log(&(now.world.rotation * asked.world.rotation.inverse()));
+        let lean = |r: Vec3| Vec2::new(-r.z, r.x);
+        Lean { lean: lean(turned), rate: lean(now.omega - asked.omega) }
+    }
+
     /// Reads the state and the goal: fills `now` and `asked`.
     fn sway(&mut self, model: &Model, (q, v): (&[f64], &[f64]), (goal_q, goal_v): (&[f64], &[f64])) -> Sway {
         self.asked.update(model, goal_q, goal_v);
         let asked = self.asked.momentum(model);
-        self.asked.update(model, goal_q, &self.still);
         self.now.update(model, q, v);
         let momentum = self.now.momentum(model);
         let com = momentum.com;
@@ -321,72 +327,37 @@ impl Balance {
         let rate = ground(&(momentum.linear / model.mass)) / omega;
         let stray = error + rate - ground(&(asked.linear / model.mass)) / omega;
         let rate = rate - self.feed.map_or(Vec2::zeros(), |f| f.rate) / omega;
-        Sway { com, over, error, rate, stray, omega }
+        let rise = (momentum.linear.y - asked.linear.y) / model.mass;
+        Sway { com, error, rate, stray, omega, above: com.y - asked.com.y, rise }
     }
 
-    /// The goal leant by `lean` into `leant`, its root moved so that the centre of mass stays over `over`, feet planted; returns
-    /// that move, m. A fixed number of rounds: it is differentiated.
-    fn lean(&mut self, model: &Model, lean: Vec2, goal_q: &[f64], over: Vec2) -> Result<Vec2, IkError> {
-        let mut moved = Vec2::zeros();
-        for _ in 0..3 {
-            self.leant.copy_from_slice(goal_q);
-            self.hip.offset(model, &self.asked, &mut self.leant, lean, self.settings.hip_pelvis);
-            let p = model.skeleton.position(&self.leant, 0) + Vec3::new(moved.x, 0.0, moved.y);
-            model.skeleton.set_position(&mut self.leant, 0, &p);
-            plant(&model.skeleton, &mut self.leant, &self.plants)?;
-            self.tried.update(model, &self.leant, &self.still);
-            moved += over - ground(&self.tried.com(model));
-        }
-        Ok(moved)
-    }
-
-    /// Angular momentum about the centre of mass per lean rate, to the side and fore and aft, kg·m².
-    fn lean_inertia(&mut self, model: &Model, goal_q: &[f64], over: Vec2) -> Result<Vec2, IkError> {
+    /// Angular momentum about the centre of mass per lean rate of the chest, to the side and fore and aft, kg·m².
+    fn lean_inertia(&mut self, model: &Model, goal_q: &[f64]) -> Vec2 {
         let mut inertia = Vec2::zeros();
         for k in 0..2 {
             let mut unit = Vec2::zeros();
+            unit[k] = 1.0 / self.hip.spine.len() as f64;
+            let mut rates = self.still.clone();
+            for &b in &self.hip.spine {
+                let local = self.asked.bodies[b].zero.transpose() * hip::axis(unit);
+                rates[model.bodies[b].v_at..model.bodies[b].v_at + 3].copy_from_slice(local.as_slice());
+            }
+            self.tried.update(model, goal_q, &rates);
             unit[k] = 1.0;
-            self.lean(model, unit * AHEAD, goal_q, over)?;
-            self.later.copy_from_slice(&self.leant);
-            self.lean(model, unit * -AHEAD, goal_q, over)?;
-            model.skeleton.difference(&self.leant, &self.later, 2.0 * AHEAD, &mut self.accel);
-            self.tried.update(model, goal_q, &self.accel);
             inertia[k] = self.tried.momentum(model).angular.dot(&hip::axis(unit));
         }
-        Ok(inertia)
+        inertia
     }
+}
 
-    /// Turns the drives of the spine by the lean, with what leaning adds to their load: gravity, the lean's acceleration
-    /// and, against damping, its rate.
-    fn lean_spine(
-        &mut self,
-        model: &Model,
-        set_points: &[SetPoints],
-        goal_q: &[f64],
-        unforeseen: Vec2,
-        drives: &mut [Drive],
-    ) {
-        let [plain, leant, rest, pushed] = &mut self.loads;
-        self.asked.inverse_dynamics(model, &self.still, &self.still, &[], plain);
-        self.tried.update(model, &self.goal, &self.still);
-        self.tried.inverse_dynamics(model, &self.still, &self.still, &[], leant);
-        self.now.inverse_dynamics(model, &self.still, &self.still, &[], rest);
-        self.accel[0] -= unforeseen.x;
-        self.accel[2] -= unforeseen.y;
-        self.now.inverse_dynamics(model, &self.still, &self.accel, &[], pushed);
-        for &body in &self.hip.spine {
-            let at = model.bodies[body].v_at;
-            let drive = &mut drives[body];
-            let Rest::Ball { target, shift } = drive.rest else { continue };
-            let [from, to, next] = [goal_q, &self.goal, &self.ahead]
-                .map(|q| model.skeleton.rotation(q, model.bodies[body].link));
-            let turn = to * from.inverse();
-            let rate = log(&(next * to.inverse())) / AHEAD;
-            let extra = vec_at(pushed, at) - vec_at(rest, at) + vec_at(leant, at) - vec_at(plain, at);
-            let load = -(turn * shift) * drive.stiffness - extra - rate * drive.damping;
-            drive.rest = set_points[body].rest(&Rest::ball(turn * target), load, drive.stiffness);
-        }
+/// Where the pressure may be while each foot keeps its part of the load: the mean of points of all soles.
+fn alike(feet: &[Foot], model: &Model, state: &State) -> Support {
+    let mut sums = vec![Vec2::zeros()];
+    for foot in feet {
+        let corners = foot.corners_in_world(model, state);
+        sums = sums.iter().flat_map(|sum| corners.iter().map(move |c| sum + ground(c))).collect();
     }
+    Support::of_plane(sums.iter().map(|p| p / feet.len() as f64).collect())
 }
 
 fn limit(x: Vec2, length: f64) -> Vec2 {
@@ -396,6 +367,7 @@ fn limit(x: Vec2, length: f64) -> Vec2 {
 
 impl Reactive for Balance {
     fn react(&mut self, m: &Moment<'_>, drives: &mut [Drive]) -> Result<(), IkError> {
+        self.feel(m.model, m.q, m.touching);
         let (state, goal) = ((m.q, m.v), (m.goal_q, m.goal_v));
         self.update(m.model, m.set_points, m.muscles, state, goal, m.lift, m.dt, drives)
     }

@@ -5,9 +5,9 @@
 pub enum Strategy {
     /// The centre of pressure moves under the feet: [`BalanceSettings::ankle`].
     Ankle,
-    /// The trunk leans: [`BalanceSettings::hip`].
+    /// The trunk leans under a push: [`BalanceSettings::hip`].
     Hip,
-    /// Weight moves between two feet: [`BalanceSettings::weight_shift`].
+    /// Weight moves between the feet under a push: [`BalanceSettings::weight_shift`].
     Weight,
 }
 
@@ -52,50 +52,46 @@ pub struct BalanceSettings {
     /// Stiffness of all stance ankles together over m g h, > 0; `None` leaves it to the tension. Below 1 the springs
     /// alone would let the body fall, and only the pressure that follows its centre of mass holds it.
     pub ankle_stiffness: Option<f64>,
-    /// Weight shift between two feet against errors along the line between them. Off, the legs answer them
-    /// like any other, and pushes to the side drag the foot that lost its load.
+    /// Weight shift: under a push the pressure may travel from foot to foot. Off, each foot keeps its part of the load, and the
+    /// pressure only goes where it can under both soles alike.
     pub weight_shift: bool,
-    /// Speed of the capture point's error along the line between the feet at which the weight shift wakes (and, in any
-    /// direction, the hip strategy), m/s;
-    /// lower answers to what the motion itself stirs up (a wild twist: 0.3), higher to hard pushes only.
-    pub weight_from_m_s: f64,
-    /// Speed at which it acts whole, m/s; nearer to [`Self::weight_from_m_s`] is more abrupt.
-    pub weight_full_m_s: f64,
-    /// Awake it stays until the capture point's error along the line is below this, m; higher leaves the rest
-    /// of the way to the springs.
-    pub weight_rest_m: f64,
-    /// Centre-of-pressure shift per centre-of-mass error along the line between the feet, m/m, with
-    /// [`Self::weight_shift`]; higher returns sooner, too high lifts the foot that is left.
-    pub weight: f64,
-    /// The same per velocity over ω₀, m/m; 1 holds the capture point where it is, more brings it back.
-    pub weight_damping: f64,
-    /// How far the legs let the pelvis go along the line between the feet instead of pulling it back with
-    /// their springs, in [0, 1], with [`Self::weight_shift`]; lower drags the unloaded foot sooner.
-    pub weight_yield: f64,
-    /// Least part of its evenly shared stiffness and damping a leg keeps when its foot is unloaded, in
-    /// [0, 1], with [`Self::weight_shift`]; lower leaves it limp, 1 does not shift them.
-    pub least_share: f64,
-    /// Hip strategy: the trunk leans where the body falls when its pressure is at the edge of the support. Off, the trunk
-    /// does what the motion asks for and nothing else.
+    /// Hip strategy: under a push the trunk leans where the body falls once the support cannot catch it alone. Off, the trunk
+    /// leans no farther than the push threw it.
     pub hip: bool,
-    /// How far beyond the capture point the pressure is wanted, per error of that, m/m, ≥ 0, once it runs off as fast as wakes
-    /// the weight shift; higher starts the lean sooner and harder, with 0 only when the capture point has left the support.
+    /// Arms may swing against a push. Off, they hang (or move) as asked.
+    pub arms: bool,
+    /// Speed of the capture point's error at which the answer to pushes wakes, m/s; lower answers to what the motion itself
+    /// stirs up (a wild twist: 0.3), higher to hard pushes only.
+    pub wake_from_m_s: f64,
+    /// Speed at which it acts whole, m/s; nearer to [`Self::wake_from_m_s`] is more abrupt.
+    pub wake_full_m_s: f64,
+    /// Awake it stays until the capture point's error is below this, m; higher leaves the rest of the way to the springs.
+    pub wake_rest_m: f64,
+    /// How far beyond the capture point the pressure is wanted under a push, per error of that, m/m, ≥ 0; 0 holds the capture
+    /// point where it is, higher brings it back sooner.
+    pub catch_gain: f64,
+    /// How far ahead the capture point is foreseen by its speed, s, ≥ 0; higher answers sooner, too high leans for nothing.
+    pub catch_ahead_s: f64,
+    /// [`Self::margin_m`] under a push, m; lower uses more of the sole, too low turns it about its corner.
+    pub catch_margin_m: f64,
+    /// How far inside the edge of the support a capture point is that the trunk already leans for, m, ≥ 0; higher leans sooner.
+    pub hip_reserve_m: f64,
+    /// Moment of the lean over the weight, per way of the capture point beyond that, m/m, ≥ 0; higher leans harder.
     pub hip_gain: f64,
-    /// Largest change of angular momentum fore and aft, N·m, > 0; higher catches harder pushes, too high lifts the heels.
+    /// Part of the pressure's room that brings the trunk back, in \[0, 1\]; the rest brings the body back.
+    pub hip_share: f64,
+    /// Largest change of angular momentum fore and aft, N·m, > 0; higher catches harder pushes, too high tips the feet.
     pub hip_moment_nm: f64,
-    /// Largest change of angular momentum to the side, N·m, > 0; a narrow stance takes less of it: too high throws the
-    /// load from foot to foot.
+    /// Largest change of angular momentum to the side, N·m, > 0.
     pub hip_side_moment_nm: f64,
-    /// Lean of the chest at which it is stopped, rad, > 0, overshot by up to a quarter where nothing else is left; higher catches harder pushes, and looks it.
+    /// Lean of the chest at which it is stopped, rad, > 0; higher catches harder pushes, and looks it.
     pub hip_stroke_rad: f64,
-    /// Part of the moment the lean is stopped with before its stroke ends, in (0, 1]; lower brakes sooner and softer.
+    /// Part of the moment with which the lean begins to be stopped, in (0, 1]; lower brakes sooner and softer.
     pub hip_brake: f64,
-    /// Natural frequency of the way back, rad/s, > 0; higher returns sooner and asks more of the ankles meanwhile.
+    /// Natural frequency of the way back, rad/s, > 0; higher returns sooner and asks more of the ground meanwhile.
     pub hip_return_rad_s: f64,
     /// Time constant of the moment, s, > 0; lower is more sudden.
     pub hip_lag_s: f64,
-    /// Part of a lean fore and aft that the pelvis takes, in [0, 1]; the spine takes the rest, and all of it to the side.
-    pub hip_pelvis: f64,
 }
 
 impl Default for BalanceSettings {
@@ -111,22 +107,23 @@ impl Default for BalanceSettings {
             margin_m: 0.01,
             ankle_stiffness: None,
             weight_shift: true,
-            weight_from_m_s: 0.4,
-            weight_full_m_s: 0.5,
-            weight_rest_m: 0.01,
-            weight: 1.5,
-            weight_damping: 2.5,
-            weight_yield: 1.0,
-            least_share: 0.25,
             hip: true,
-            hip_gain: 1.5,
+            arms: false,
+            wake_from_m_s: 0.4,
+            wake_full_m_s: 0.5,
+            wake_rest_m: 0.01,
+            catch_gain: 1.5,
+            catch_ahead_s: 0.06,
+            catch_margin_m: 0.004,
+            hip_reserve_m: 0.02,
+            hip_gain: 6.0,
+            hip_share: 0.25,
             hip_moment_nm: 150.0,
-            hip_side_moment_nm: 50.0,
-            hip_stroke_rad: 0.7,
-            hip_brake: 0.4,
+            hip_side_moment_nm: 150.0,
+            hip_stroke_rad: 0.8,
+            hip_brake: 0.8,
             hip_return_rad_s: 2.0,
             hip_lag_s: 0.02,
-            hip_pelvis: 0.5,
         }
     }
 }

@@ -1,0 +1,327 @@
+//! Momentum control: joint accelerations and muscle torques that give the body a wrench of the ground.
+//!
+//! What the ground has to give, a force F through a point p of the ground, fixes the rate of momentum, linear and
+//! angular. Of all accelerations v̇ that have it and leave the soles where they stand, the one nearest to a posture task:
+//!
+//! ```text
+//! min Σ w_i (v̇_i − v̇*_i)²   with   (M v̇ + c)_root = wrench of F in p,   J v̇ + J̇ v = −2 ω_s ẋ − f ω_s² (x − x_0)
+//! ```
+//!
+//! - v̇* leads every joint back to the pose asked for, critically damped.
+//! - The wrench has no moment about the vertical: a sole pressed at its edge turns about it.
+//! - A foot goes back to its place x_0 only as far as it is free of load (f from 0 to 1): friction holds the other.
+//! - Constraints are tasks of the same least squares of the weight [`FIRM`]: a stretched leg, whose knee could raise the body
+//!   only at an infinite rate, gives way by as little as there is to gain. The vertical force is a task of little weight,
+//!   so that straight legs may lower the body.
+//!
+//! What the solution asks of the ground is shared by the pressures of the soles' corners ([`pressed_wrenches`]): every
+//! foot's own centre lies inside its sole, and none pulls. Torques are those of inverse dynamics.
+//!
+//! Muscles are set so that they give these torques *where the body will be* at the end of the step, `v + v̇ dt` and
+//! `q ⊕ (v + v̇ dt) dt`: their stiffness and damping correct towards the motion foreseen instead of fighting it.
+//!
+//! In: a state, a goal, what the ground shall give. Out: accelerations, drives. Symbols: `M` mass matrix, `c` bias, `J`
+//! Jacobian of a sole, `x` its place and turn, `ω_s` its natural frequency, `w` weights. World frame; `v̇` in the layout of [`motion::skeleton`].
+//!
+//! A. Macchietto, V. Zordan, C. Shelton. Momentum control for balance. SIGGRAPH 2009. S.-H. Lee, A. Goswami. A
+//! momentum-based balance controller for humanoid robots on non-level and non-stationary ground. Autonomous Robots 2012.
+
+use dynamics::rnea::joint_force;
+use dynamics::{Model, State};
+use motion::plant::Plant;
+use motion::rotation::log;
+use motion::skeleton::{quat_at, vec_at};
+use motion::support::Vec2;
+use motion::{Joint, Vec3};
+use nalgebra::DMatrix;
+
+use crate::antagonist::SetPoints;
+use crate::support::{Foot, pressed_wrenches, shared_wrenches};
+use crate::{Drive, rest_of};
+
+/// Weight of what has to be, over a posture task of weight 1.
+const FIRM: f64 = 1e4;
+/// Weight of the vertical force.
+const SOFT: f64 = 1.0;
+/// Weights of the posture task: place of the root (m/s²), its turn, spine and knees, and arms where they may swing (rad/s²).
+const PLACE: f64 = 1e-4;
+const POSTURE: f64 = 1.0;
+const ARM: f64 = 0.3;
+/// Weight of hips and ankles, which root and soles leave hardly a choice.
+const LEG: f64 = 1e-2;
+/// Length that makes moments and forces, turns and ways alike, m.
+const LENGTH: f64 = 0.3;
+/// Natural frequencies of the way back of joints, of a sole, and of the height, rad/s.
+const JOINT_RAD_S: f64 = 6.0;
+const SOLE_RAD_S: f64 = 20.0;
+const HEIGHT_RAD_S: f64 = 4.0;
+/// A foot with this share of the load stays where friction holds it.
+const HELD: f64 = 0.1;
+
+/// What the ground shall give.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Wanted {
+    /// Force, N; its vertical part where height and weight leave the choice.
+    pub force: Vec3,
+    /// Centre of pressure, m.
+    pub pressure: Vec2,
+    /// Height of the ground, m.
+    pub floor: f64,
+    /// How far the centre of mass is above what is asked, m, and how fast it rises, m/s.
+    pub above: f64,
+    pub rise: f64,
+}
+
+/// Memory of the momentum control. See the module header.
+#[derive(Clone, Debug)]
+pub(super) struct WholeBody {
+    /// Bodies whose joints take part, with the weight of their posture task; the root first.
+    parts: Vec<(usize, f64)>,
+    /// Degrees of freedom that take part, in order.
+    dofs: Vec<usize>,
+    /// Where in `dofs` each degree of freedom is.
+    column: Vec<Option<usize>>,
+    mass: DMatrix<f64>,
+    bias: Vec<f64>,
+    row: Vec<f64>,
+    hessian: Vec<f64>,
+    gradient: Vec<f64>,
+    /// v̇ (`nv`).
+    pub accel: Vec<f64>,
+    tau: Vec<f64>,
+    later_q: Vec<f64>,
+    later_v: Vec<f64>,
+    drift: Vec<(Vec3, Vec3)>,
+    /// Share of the load of each foot in the last step.
+    shares: Vec<f64>,
+}
+
+impl WholeBody {
+    /// Memory for the root, the legs of `feet`, the `spine` and upper `arms`.
+    pub fn new(model: &Model, feet: &[Foot], spine: &[usize], arms: &[usize]) -> Self {
+        let mut parts = vec![(0, POSTURE)];
+        parts.extend(spine.iter().map(|&b| (b, POSTURE)));
+        parts.extend(arms.iter().map(|&b| (b, ARM)));
+        for f in feet {
+            let leg = [(f.limb.upper, LEG), (f.limb.lower, POSTURE), (f.limb.end, LEG)];
+            parts.extend(leg.map(|(link, weight)| (model.body_of[link].0, weight)));
+        }
+        let axes =
+            |body: usize| model.bodies[body].v_at..model.bodies[body].v_at + model.bodies[body].joint.nv();
+        let dofs: Vec<usize> = parts.iter().flat_map(|&(b, _)| axes(b)).collect();
+        let mut column = vec![None; model.nv()];
+        dofs.iter().enumerate().for_each(|(c, &dof)| column[dof] = Some(c));
+        let n = dofs.len();
+        let rates = || vec![0.0; model.nv()];
+        Self {
+            parts,
+            dofs,
+            column,
+            mass: DMatrix::zeros(model.nv(), model.nv()),
+            bias: rates(),
+            row: vec![0.0; n],
+            hessian: vec![0.0; n * n],
+            gradient: vec![0.0; n],
+            accel: rates(),
+            tau: rates(),
+            later_q: model.skeleton.zero_pose(),
+            later_v: rates(),
+            drift: Vec::new(),
+            shares: vec![1.0; feet.len()],
+        }
+    }
+
+    /// Finds v̇; `state` is at (`q`, `v`).
+    pub fn solve(
+        &mut self,
+        model: &Model,
+        state: &mut State,
+        (feet, plants): (&[Foot], &[Plant]),
+        wanted: &Wanted,
+        (q, v): (&[f64], &[f64]),
+        (goal_q, goal_v): (&[f64], &[f64]),
+    ) {
+        self.hessian.fill(0.0);
+        self.gradient.fill(0.0);
+        self.posture(model, (q, v), (goal_q, goal_v));
+        self.momentum(model, state, wanted, v);
+        self.soles(model, state, feet, plants, v);
+        let n = self.dofs.len();
+        factor(&mut self.hessian, n);
+        substitute(&self.hessian, n, &mut self.gradient);
+        self.accel.fill(0.0);
+        for (&dof, x) in self.dofs.iter().zip(&self.gradient) {
+            self.accel[dof] = *x;
+        }
+    }
+
+    /// Every joint back to the pose asked for.
+    fn posture(&mut self, model: &Model, (q, v): (&[f64], &[f64]), (goal_q, goal_v): (&[f64], &[f64])) {
+        let n = self.dofs.len();
+        let mut c = 0;
+        for &(body, weight) in &self.parts {
+            let b = &model.bodies[body];
+            let turn = |at: usize| log(&(quat_at(goal_q, at) * quat_at(q, at).inverse()));
+            let mut ask = |k: usize, weight: f64, error: f64| {
+                let dof = b.v_at + k;
+                let back = JOINT_RAD_S * JOINT_RAD_S * error + 2.0 * JOINT_RAD_S * (goal_v[dof] - v[dof]);
+                self.hessian[c * n + c] += weight;
+                self.gradient[c] += weight * back;
+                c += 1;
+            };
+            match b.joint {
+                Joint::Free => {
+                    (0..3).for_each(|k| ask(k, PLACE, goal_q[b.q_at + k] - q[b.q_at + k]));
+                    let e = turn(b.q_at + 3);
+                    (0..3).for_each(|k| ask(3 + k, weight, e[k]));
+                }
+                Joint::Spherical => {
+                    let e = turn(b.q_at);
+                    (0..3).for_each(|k| ask(k, weight, e[k]));
+                }
+                Joint::Revolute(_) | Joint::Prismatic(_) => ask(0, weight, goal_q[b.q_at] - q[b.q_at]),
+                Joint::Fixed => {}
+            }
+        }
+    }
+
+    /// The rate of momentum: the wrench that the ground has to give, about the centre of pressure.
+    fn momentum(&mut self, model: &Model, state: &mut State, wanted: &Wanted, v: &[f64]) {
+        state.mass_matrix(model, &mut self.mass);
+        state.bias(model, v, &mut self.bias);
+        let zero = state.bodies[0].zero;
+        let arm = state.bodies[0].origin() - Vec3::new(wanted.pressure.x, wanted.floor, wanted.pressure.y);
+        let world = |x: &[f64]| {
+            let force = zero * vec_at(x, 0);
+            (force, zero * vec_at(x, 3) + arm.cross(&force))
+        };
+        let (force, moment) = world(&self.bias);
+        let up = -HEIGHT_RAD_S * (HEIGHT_RAD_S * wanted.above + 2.0 * wanted.rise);
+        let asked = wanted.force + Vec3::y() * (up * model.mass);
+        let (linear, angular) = (model.mass, model.mass * LENGTH);
+        for k in 0..3 {
+            for (x, &dof) in self.row.iter_mut().zip(&self.dofs) {
+                *x = world(self.mass.column(dof).as_slice()).0[k] / linear;
+            }
+            self.task(if k == 1 { SOFT } else { FIRM }, (asked[k] - force[k]) / linear);
+            for (x, &dof) in self.row.iter_mut().zip(&self.dofs) {
+                *x = world(self.mass.column(dof).as_slice()).1[k] / angular;
+            }
+            self.task(FIRM, -moment[k] / angular);
+        }
+    }
+
+    /// Soles stay where they were planted.
+    fn soles(&mut self, model: &Model, state: &mut State, feet: &[Foot], plants: &[Plant], v: &[f64]) {
+        let drift = &mut self.drift;
+        drift.clear();
+        state.drifts(model, v, |_, linear, angular| drift.push((linear, angular)));
+        for (f, (foot, plant)) in feet.iter().zip(plants).enumerate() {
+            let free = (1.0 - self.shares[f] / HELD).clamp(0.0, 1.0);
+            let (back, damp) = (SOLE_RAD_S * SOLE_RAD_S * free, 2.0 * SOLE_RAD_S);
+            let body = model.body_of[foot.limb.end].0;
+            let s = &state.bodies[body];
+            let at = s.origin();
+            let away = at - plant.world_from_end.translation.vector;
+            let turned = log(&(s.world.rotation * plant.world_from_end.rotation.inverse()));
+            let linear = -away * back - s.velocity * damp - self.drift[body].0;
+            let angular = -turned * back - s.omega * damp - self.drift[body].1;
+            for k in 0..6 {
+                self.row.fill(0.0);
+                let (row, column) = (&mut self.row, &self.column);
+                state.jacobian(model, body, &at, |dof, l, a| {
+                    if let Some(c) = column[dof] {
+                        row[c] = if k < 3 { l[k] } else { a[k - 3] * LENGTH };
+                    }
+                });
+                self.task(FIRM, if k < 3 { linear[k] } else { angular[k - 3] * LENGTH });
+            }
+        }
+    }
+
+    /// Adds `weight` (row · v̇ − target)².
+    fn task(&mut self, weight: f64, target: f64) {
+        let n = self.dofs.len();
+        for i in 0..n {
+            let x = weight * self.row[i];
+            if x != 0.0 {
+                self.gradient[i] += x * target;
+                for j in 0..=i {
+                    self.hessian[i * n + j] += x * self.row[j];
+                }
+            }
+        }
+    }
+
+    /// Drives that give v̇ over a step of `dt` seconds, blended into `drives` by `level`; stiffness and damping stay. `state` is
+    /// at (`q`, `v`), `floor` the height of the ground, m. `even`: each foot keeps its part of the load.
+    #[expect(clippy::too_many_arguments, reason = "a step's inputs, each used once")]
+    pub fn drive(
+        &mut self,
+        model: &Model,
+        state: &mut State,
+        (feet, floor, even): (&[Foot], f64, bool),
+        set_points: &[SetPoints],
+        (q, v): (&[f64], &[f64]),
+        dt: f64,
+        level: f64,
+        drives: &mut [Drive],
+    ) {
+        state.inverse_dynamics(model, v, &self.accel, &[], &mut self.tau);
+        let zero = state.bodies[0].zero;
+        let force = zero * vec_at(&self.tau, 0);
+        let arm = state.bodies[0].origin() - Vec3::y() * floor;
+        let moment = zero * vec_at(&self.tau, 3) + arm.cross(&force);
+        if force.y > 0.0 {
+            let at = Vec2::new(moment.z, -moment.x) / force.y;
+            let (shares, mut loads) = if even {
+                let centers: Vec<Vec3> = feet.iter().map(|f| f.center(model, state)).collect();
+                let shares = vec![1.0 / feet.len() as f64; feet.len()];
+                let loads = shared_wrenches(feet, &centers, &shares, at, force);
+                (shares, loads)
+            } else {
+                pressed_wrenches(feet, model, state, at, force)
+            };
+            let about = moment - Vec3::new(at.x, 0.0, at.y).cross(&force);
+            loads.iter_mut().zip(&shares).for_each(|(w, share)| w.moment += Vec3::y() * (about.y * share));
+            state.inverse_dynamics(model, v, &self.accel, &loads, &mut self.tau);
+            self.shares = shares;
+        }
+        self.later_v.copy_from_slice(v);
+        self.later_v.iter_mut().zip(&self.accel).for_each(|(v, a)| *v += a * dt);
+        self.later_q.copy_from_slice(q);
+        model.skeleton.integrate(&mut self.later_q, &self.later_v, dt);
+        for &(body, _) in &self.parts[1..] {
+            let b = &model.bodies[body];
+            let drive = &mut drives[body];
+            let load = -joint_force(&b.joint, &self.tau, b.v_at)
+                - joint_force(&b.joint, &self.later_v, b.v_at) * drive.damping;
+            let target = rest_of(model, body, &self.later_q);
+            let rest = set_points[body].rest(&target, load, drive.stiffness);
+            drive.rest = drive.rest.blend(&rest, level);
+        }
+    }
+}
+
+/// Cholesky factor of the symmetric `n × n` matrix in the lower triangle of `a` (rows), in place: `a = L Lᵀ`.
+fn factor(a: &mut [f64], n: usize) {
+    for i in 0..n {
+        for j in 0..=i {
+            let sum: f64 = (0..j).map(|k| a[i * n + k] * a[j * n + k]).sum();
+            let x = a[i * n + j] - sum;
+            a[i * n + j] = if i == j { x.max(f64::MIN_POSITIVE).sqrt() } else { x / a[j * n + j] };
+        }
+    }
+}
+
+/// Replaces `x` by the solution of `L Lᵀ y = x`.
+fn substitute(l: &[f64], n: usize, x: &mut [f64]) {
+    for i in 0..n {
+        let sum: f64 = (0..i).map(|k| l[i * n + k] * x[k]).sum();
+        x[i] = (x[i] - sum) / l[i * n + i];
+    }
+    for i in (0..n).rev() {
+        let sum: f64 = (i + 1..n).map(|k| l[k * n + i] * x[k]).sum();
+        x[i] = (x[i] - sum) / l[i * n + i];
+    }
+}
