@@ -2,8 +2,8 @@
 //!
 //! In: key poses, then human poses one after the other. Out: character poses in their local frame, and how sure the
 //! model is. A regressor of `learn` maps feature points to feature points; [`JointFit`] makes joint angles of them,
-//! starting from the frame before. Where that fits suddenly worse, a fit from the points alone is tried too and the
-//! better one kept.
+//! starting from the frame before. Where that fits suddenly worse, a fit from the points alone is tried too, and kept
+//! if it is far better: a body that turns over within a frame looks worse than one that is late.
 //!
 //! \[YAH10\] Yamane, Ariki, Hodgins. Animating Non-Humanoid Characters with Human Motion Data, SCA 2010.
 
@@ -18,8 +18,10 @@ use crate::{KeyPoses, Performer, Puppet, RetargetError};
 
 /// A fit this many times worse than the one before is tried afresh, …
 const WORSE: f64 = 2.0;
-/// … if it is worse than this, m.
+/// … if it is worse than this, m; …
 const WORSE_M: f64 = 0.001;
+/// … and the other is kept if it is better by this factor.
+const BETTER: f64 = 0.5;
 
 /// A mapping learned from key poses.
 #[derive(Clone, Debug)]
@@ -134,11 +136,12 @@ impl Mapper<'_> {
             self.other.clear();
             self.other.extend_from_slice(q);
             let again = self.fit.solve(&out.mean, &mut self.other, true);
-            if again.rms_m < fit.rms_m {
+            if again.rms_m < BETTER * fit.rms_m {
                 q.copy_from_slice(&self.other);
                 fit = again;
             }
         }
+        self.fit.keep(&out.mean, q);
         self.before_m = Some(fit.rms_m);
         Ok(MappedFrame {
             variance: out.variance,

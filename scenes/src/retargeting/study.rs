@@ -87,8 +87,8 @@ pub struct Dropped {
     pub error_deg: Vec<(&'static str, f64)>,
     /// RMS difference between the motion mapped with and without them, over all frames, degrees.
     pub from_full_deg: f64,
-    /// RMS difference between the motion mapped with them and its mean pose: what `from_full_deg` is to be seen
-    /// against, degrees.
+    /// The spread of the motion mapped with them, which `from_full_deg` is to be seen against: RMS difference of
+    /// poses half the motion apart, over √2, degrees.
     pub extent_deg: f64,
     /// The motion mapped with all key poses and without its own.
     #[serde(skip)]
@@ -228,7 +228,7 @@ fn dropped(session: &Session, human: &Clip) -> Result<Option<Dropped>, RetargetE
         let mapping = learn_from(session, &keep, &Options { model, ..Options::default() })?;
         error.push((model.name(), error_deg(session, &mapping, &out)?));
     }
-    // Of two independent frames of the motion the squared difference is twice that from the mean.
+    // The squared difference of two unrelated poses is twice that from their mean.
     let turned: Vec<f64> = (0..full.frames())
         .flat_map(|f| full.pose((f + full.frames() / 2) % full.frames()).to_vec())
         .collect();
