@@ -47,7 +47,7 @@ fn the_cost_grows_with_the_push() {
 }
 
 /// A body that does not shift its weight between its feet takes pushes to the side worse than one that does
-/// (`push` maps: 62 to 70 % of the limit against 82 to 85 %).
+/// (at 90° 56 % of the limit against 116 %).
 #[test]
 fn the_cost_tells_good_from_bad() {
     let good = Tunable::default();
@@ -154,7 +154,8 @@ fn another_run_has_another_name() {
 fn patches_apply() {
     let dir = folder("patch");
     let name = dir.join("p.ron");
-    std::fs::write(&name, r#"Patch(set: {"catch_gain": (was: 1.5, is: 2.0), "tension": (is: 1.5)})"#).unwrap();
+    std::fs::write(&name, r#"Patch(set: {"catch_gain": (was: 1.5, is: 2.0), "tension": (is: 1.5)})"#)
+        .unwrap();
     let mut stage = stand_with(&format!("patch: {:?},", name.to_str().unwrap())).unwrap();
     let t = stage.tunable();
     assert_eq!((t.balance.catch_gain, t.tension), (2.0, 1.5));
