@@ -84,7 +84,12 @@ fn note(stage: &Stage, outcome: &Outcome) -> String {
     };
     let tension = crate::summary::number(stage.physics.tension);
     let tilt = stage.physics.ground.map_or(0.0, |g| g.up.y.clamp(-1.0, 1.0).acos().to_degrees());
-    let tilt = if tilt > 0.0 { format!(", ground tilted by {tilt:.0}°") } else { String::new() };
+    let most = stage.tilts.iter().map(|t| t.tilt.to_degrees()).fold(0.0, f64::max);
+    let tilt = match (tilt > 0.0, stage.tilts.is_empty()) {
+        (_, false) => format!(", ground tilts to {most:.0}°"),
+        (true, true) => format!(", ground tilted by {tilt:.0}°"),
+        (false, true) => String::new(),
+    };
     let end = outcome.fall.as_ref().map_or(String::new(), |fall| format!("; {fall}"));
     format!(
         "{}: tension {tension}, root {root}, {} Hz, {} substeps{tilt}{end}",
@@ -101,7 +106,11 @@ fn options(stage: &Stage) -> StripOptions {
         to_s: strip.to_s,
         yaw_deg: strip.yaw_deg,
         // the strip's floor is level
-        ground_m: stage.physics.ground.filter(|g| g.up.y == 1.0).map(|g| g.height_m),
+        ground_m: stage
+            .physics
+            .ground
+            .filter(|g| g.up.y == 1.0 && stage.tilts.is_empty())
+            .map(|g| g.height_m),
         colors: stage.colors.clone(),
         ..StripOptions::default()
     }

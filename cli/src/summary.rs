@@ -88,6 +88,12 @@ fn disturbed(out: &mut String, d: &DisturbanceReport) -> std::fmt::Result {
     {
         lines.push(format!("ground tilted by {}°, friction {}", number(tilt), number(friction)));
     }
+    lines.extend(d.ground_tilts.iter().map(|t| {
+        let (from, to) = (t.start_s, t.start_s + t.duration_s);
+        let way =
+            if t.tilt_deg > 0.0 { format!(" towards {}°", number(t.towards_deg)) } else { String::new() };
+        format!("ground tilts to {}°{way} from {from:.2} to {to:.2} s", number(t.tilt_deg))
+    }));
     lines.extend(d.pushes.iter().map(|p| {
         let size = p.impulse_ns.iter().map(|x| x * x).sum::<f64>().sqrt();
         format!("{} is pushed by {size:.1} N·s at {:.2} s for {} s", p.link, p.start_s, number(p.duration_s))

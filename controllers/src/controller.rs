@@ -12,7 +12,7 @@
 
 use std::sync::Arc;
 
-use dynamics::{Carrying, Character, Model, State};
+use dynamics::{Carrying, Character, ContactSample, Model, State};
 use motion::ik::IkError;
 use motion::plant::Plant;
 use motion::{Dof, Limits, Range, Tracks, Value, Vec3};
@@ -125,6 +125,8 @@ pub struct Controller {
     feet: Vec<Foot>,
     /// Ground under feet that come and go; `None` where balance or a pin carries the body.
     ground_m: Option<f64>,
+    /// Contacts of the last step.
+    touching: Vec<ContactSample>,
     drives: Vec<Drive>,
     sagging: Vec<Sagging>,
     slack: Vec<Option<Sagging>>,
@@ -225,6 +227,7 @@ impl Controller {
             leg_tension,
             models: models.clone(),
             feet,
+            touching: Vec::new(),
             drives: vec![Drive::NONE; model.bodies.len()],
             sagging: Vec::new(),
             slack: vec![None; model.bodies.len()],
@@ -285,6 +288,12 @@ impl Controller {
             .fold((0.0, 0), |a, b| if b.0 > a.0 { b } else { a })
     }
 
+    /// Takes in the contacts of the last step, as soles and skin feel them.
+    pub fn feel(&mut self, touching: &[ContactSample]) {
+        self.touching.clear();
+        self.touching.extend_from_slice(touching);
+    }
+
     /// Drives for the step that ends at `row`, from the simulated state `q`, `v` at its start.
     ///
     /// # Errors
@@ -323,6 +332,7 @@ impl Controller {
             muscles: &self.legs,
             q,
             v,
+            touching: &self.touching,
             goal_q: self.goal.pose(row),
             goal_v: self.goal.velocity(row),
             lift: self.lift[row.min(self.lift.len() - 1)],

@@ -7,7 +7,7 @@
 //!
 //! In: the trait. Out: drives. No engine and no clock: time is in the moment, memory in the property.
 
-use dynamics::{Model, State};
+use dynamics::{ContactSample, Model, State};
 use motion::ik::IkError;
 use motion::{Joint, Vec3};
 
@@ -28,6 +28,8 @@ pub struct Moment<'a> {
     pub q: &'a [f64],
     /// Simulated velocity (`nv`) at the start of the step.
     pub v: &'a [f64],
+    /// Contacts of the step before.
+    pub touching: &'a [ContactSample],
     /// Pose asked for (`nq`) at the end of the step.
     pub goal_q: &'a [f64],
     /// Velocity asked for (`nv`) at the end of the step.

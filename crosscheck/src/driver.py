@@ -187,11 +187,12 @@ class Session:
                 "body": m.body(m.jnt_bodyid[j]).name,
             }
             for j in range(m.njnt)
+            if m.body(m.jnt_bodyid[j]).name != "ground"
         ]
         bodies = [{"name": m.body(b).name, "mass": float(m.body_mass[b])} for b in range(m.nbody)]
         mujoco.mj_kinematics(m, self.d)
         mujoco.mj_comPos(m, self.d)
-        places = (self.d.xipos, self.d.xanchor, self.d.xaxis)
+        places = (self.d.xipos, self.d.xanchor[: len(joints)], self.d.xaxis[: len(joints)])
         answer(
             {
                 "nq": m.nq,
@@ -261,6 +262,12 @@ class Session:
         self.root_acc = np.zeros(6)
         d = self.d = mujoco.MjData(m)
         d.qpos[:], d.qvel[:] = numbers[: m.nq], numbers[m.nq :]
+        self.turning = None
+        if request.get("ground"):
+            joint = m.joint("ground")
+            self.turning = (joint.qposadr[0] + np.arange(4), joint.dofadr[0] + np.arange(3))
+            d.qpos[self.turning[0]] = request["ground"]
+        self.ground = mujoco.mj_name2id(m, mujoco.mjtObj.mjOBJ_GEOM, "ground")
         mujoco.mj_forward(m, d)
         mujoco.set_mjcb_control(self.control)
         answer({})
@@ -300,7 +307,7 @@ class Session:
 
     def step(self, request, numbers):
         """One control step. Numbers: k_lo k_hi k_d per hinge, K k_d target shift per ball, root
-        acceleration (6), then body point force moment per wrench."""
+        acceleration (6), turn (4) and rate (3) of ground that turns, then body point force moment per wrench."""
         m, d = self.m, self.d
         at = 0
         for q, v, lo, hi, stop, acts in self.hinges:
@@ -314,6 +321,11 @@ class Session:
         at += 9 * count
         self.root_acc = numbers[at : at + 6]
         at += 6
+        if self.turning:
+            # heavier than all that stands on it: it keeps its rate through the step
+            d.qpos[self.turning[0]] = numbers[at : at + 4]
+            d.qvel[self.turning[1]] = numbers[at + 4 : at + 7]
+            at += 7
         d.xfrc_applied[:] = 0.0
         for w in numbers[at:].reshape(-1, 10):
             body = int(w[0])
@@ -339,7 +351,7 @@ class Session:
         if c.efc_address < 0 or f[0] <= 0.0:
             return
         # the frame's first row points from the first geom to the second, and so does the force
-        sign, geom = (1.0, c.geom2) if m.geom_bodyid[c.geom1] == 0 else (-1.0, c.geom1)
+        sign, geom = (1.0, c.geom2) if c.geom1 == self.ground else (-1.0, c.geom1)
         force = sign * (c.frame.reshape(3, 3).T @ f[:3])
         local = d.geom_xmat[geom].reshape(3, 3).T @ (c.pos - d.geom_xpos[geom])
         key = (int(m.geom_bodyid[geom]), geom, *(local > 0.0).tolist())

@@ -268,6 +268,7 @@ pub fn standing_weight(bridge: &Shared, stage: &Stage) -> Result<Check, PassErro
             substeps: p.substeps,
             root: RootMode::Free,
             ground: p.ground,
+            tilts: Vec::new(),
             pushes: Vec::new(),
             carried: Vec::new(),
         }

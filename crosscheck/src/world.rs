@@ -20,7 +20,7 @@ use motion::rotation::log;
 use motion::skeleton::{quat_at, vec_at};
 use motion::{Joint, Limits, Vec3};
 use serde_json::json;
-use sim::{Engine, WorldError, WorldSettings};
+use sim::{Engine, Ground, WorldError, WorldSettings};
 
 use crate::bridge::{Bridge, BridgeError, Source};
 
@@ -61,6 +61,10 @@ pub struct MujocoWorld {
     stops: Vec<f64>,
     request: Vec<f64>,
     root: [f64; 6],
+    /// Angular velocity of the ground in the next step, world, rad/s.
+    rate: Vec3,
+    /// Where the ground faces after it.
+    next_up: Vec3,
     wrenches: Vec<f64>,
     touching: Vec<f64>,
     q: Vec<f64>,
@@ -94,8 +98,12 @@ impl MujocoWorld {
         let set_points: Vec<SetPoints> =
             model.bodies.iter().map(|b| SetPoints::of(&b.joint, links[b.link].limits.as_ref())).collect();
         let antagonists = axis_set_points(&character.skeleton);
-        let ground =
-            settings.ground.map(|g| MjcfGround { height_m: g.height_m, friction: g.friction, up: g.up });
+        let ground = settings.ground.map(|g| MjcfGround {
+            height_m: g.height_m,
+            friction: g.friction,
+            up: g.up,
+            turns: g.turns,
+        });
         let options = MjcfOptions { gravity: settings.gravity, ground, antagonists };
         let file = mjcf::write(character, &options).map_err(|e| WorldError::Engine(e.to_string()))?;
         // our stops stand in for its limits
@@ -110,6 +118,8 @@ impl MujocoWorld {
             stops: vec![0.0; model.bodies.len()],
             request: Vec::new(),
             root: [0.0; 6],
+            rate: Vec3::zeros(),
+            next_up: settings.ground.map_or(Vec3::y(), |g| g.up),
             wrenches: Vec::new(),
             touching: Vec::new(),
             q: q.to_vec(),
@@ -151,6 +161,7 @@ impl MujocoWorld {
             "solref": integration.solref,
             "solimp": integration.solimp,
             "pinned": self.pinned(),
+            "ground": self.turning().map(|g| turned(&g)),
             "hinges": self.hinges.iter().map(hinge).collect::<Vec<_>>(),
             "balls": self.balls.iter().map(ball).collect::<Vec<_>>(),
         });
@@ -162,9 +173,20 @@ impl MujocoWorld {
         Ok(())
     }
 
+    /// The ground, if it may turn.
+    fn turning(&self) -> Option<Ground> {
+        self.settings.ground.filter(|g| g.turns)
+    }
+
     fn pinned(&self) -> bool {
         self.settings.pinned && matches!(self.model.bodies[0].joint, Joint::Free)
     }
+}
+
+/// The turn of the ground from its level zero pose.
+fn turned(ground: &Ground) -> [f64; 4] {
+    let r = ground.turn();
+    [r.w, r.i, r.j, r.k]
 }
 
 fn engine(e: BridgeError) -> WorldError {
@@ -247,6 +269,13 @@ impl Engine for MujocoWorld {
         }
     }
 
+    fn turn_ground(&mut self, up: &Vec3) {
+        let Some(ground) = self.turning() else { return };
+        let next = Ground { up: *up, ..ground };
+        self.rate = log(&(next.turn() * ground.turn().inverse())) * self.settings.rate_hz;
+        self.next_up = *up;
+    }
+
     fn add_wrench(&mut self, w: &Wrench) {
         self.wrenches.push(self.body_there[w.link]);
         for x in [w.point, w.force, w.moment] {
@@ -258,11 +287,21 @@ impl Engine for MujocoWorld {
         // drives stay as they are until they are set anew
         let drives = self.request.len();
         self.request.extend(self.root);
+        if let Some(ground) = self.turning() {
+            // where it is, and how it turns through the step; MuJoCo's rates of balls are along the moving body
+            let rate = ground.turn().inverse() * self.rate;
+            self.request.extend(turned(&ground));
+            self.request.extend(rate.iter());
+        }
         self.request.append(&mut self.wrenches);
         let (head, answer) =
             self.bridge.borrow_mut().call(&json!({"op": "step"}), &self.request).map_err(engine)?;
         self.request.truncate(drives);
         self.steps += 1;
+        if let Some(ground) = &mut self.settings.ground {
+            ground.up = self.next_up;
+            self.rate = Vec3::zeros();
+        }
         let (nq, nv) = (self.layout.nq, self.layout.nv);
         if answer.len() < nq + nv || !(answer.len() - nq - nv).is_multiple_of(8) {
             return Err(engine(BridgeError::Length { found: answer.len(), wanted: nq + nv }));

@@ -75,6 +75,31 @@ fn a_slope_and_a_crate_weigh_the_same_in_both() {
     }
 }
 
+/// Ground that tilts under the feet: the same forces and the same verdict in both.
+#[test]
+fn a_seesaw_is_one_in_both() {
+    let stage = scene(
+        "settle_s: 2.4, world: (ground: Plane(friction: 0.8, tilts: [
+            Tilt(start_s: 0.3, duration_s: 0.7, tilt_deg: 5, towards_deg: 30),
+            Tilt(start_s: 1.2, duration_s: 0.7)]))",
+    );
+    let run = ground::scene(&bridge(), &stage, &mut |_| {}).unwrap();
+    assert_eq!(failed(&run.checks), [""; 0]);
+    // the soles of both ride on the ground
+    let sole = stage.character.skeleton.sites()[stage.character.contacts[0]].clone();
+    for trace in [&run.ours, &run.theirs] {
+        let row = (1.1 * trace.rate_hz) as usize;
+        let k = motion::Kinematics::new(&stage.character.skeleton, trace.pose(row));
+        let p = k.point(sole.link, &sole.at);
+        println!(
+            "{:.3} mm over the ground, {:.1} mm over where it was",
+            1e3 * trace.height(row, &p),
+            1e3 * p.y
+        );
+        assert!(trace.height(row, &p).abs() < 1e-3 && p.y.abs() > 5e-3, "{p:?}");
+    }
+}
+
 /// A mass handed over in flight: MuJoCo's body is from then on one built with it.
 #[test]
 fn a_body_that_is_given_a_mass_is_one_with_it() {

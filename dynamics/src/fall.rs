@@ -14,7 +14,7 @@
 //! |---|---|
 //! | capture point | c + ċ/ω₀, ω₀ = √(g/h), is outside the support |
 //! | centre of mass | c is outside the support |
-//! | foot slipped | the middle of a sole is [`SLIPPED_M`] farther from its place than asked |
+//! | foot slipped | the middle of a sole is [`SLIPPED_M`] farther from its place on the ground than asked |
 //! | foot lifted | the lowest corner of a sole is [`LIFTED_M`] higher over the ground than asked |
 //! | joint limit | the stop of a joint acts with more than [`STOP_NM`] |
 //! | slack muscle | one of a joint's two springs would have to push: the other alone cannot hold the load |
@@ -227,7 +227,7 @@ impl<'a> Search<'a> {
             let body = model.body_of[leg.end].0;
             let corners: Vec<(usize, Vec3)> =
                 sites.clone().filter(|s| model.body_of[s.link].0 == body).map(|s| (s.link, s.at)).collect();
-            let stands = corners.iter().any(|(l, at)| trace.height(&k.point(*l, at)) < STANDS_M);
+            let stands = corners.iter().any(|(l, at)| trace.height(0, &k.point(*l, at)) < STANDS_M);
             stands.then(|| Sole {
                 link: leg.end,
                 home: middle(&corners, &k),
@@ -259,23 +259,24 @@ impl<'a> Search<'a> {
         self.k.update(skeleton, t.pose(row));
         self.asked.update(skeleton, t.target_pose(row));
         let (k, asked) = (&self.k, &self.asked);
-        let lowest = |s: &Sole, k: &Kinematics| {
-            s.corners.iter().map(|(l, at)| t.height(&k.point(*l, at))).fold(f64::INFINITY, f64::min)
+        // what was asked knows the ground of the first row only
+        let lowest = |s: &Sole, k: &Kinematics, row: usize| {
+            s.corners.iter().map(|(l, at)| t.height(row, &k.point(*l, at))).fold(f64::INFINITY, f64::min)
         };
         let slipped = |s: &Sole| {
-            let gone = middle(&s.corners, k) - s.home;
+            let gone = t.unturned(row, &middle(&s.corners, k)) - s.home;
             let was_to = middle(&s.corners, asked) - s.asked_home;
             ground(&(gone - was_to)).norm() > SLIPPED_M
         };
         let lifted: Vec<bool> =
-            self.soles.iter().map(|s| lowest(s, k) > lowest(s, asked).max(0.0) + LIFTED_M).collect();
+            self.soles.iter().map(|s| lowest(s, k, row) > lowest(s, asked, 0).max(0.0) + LIFTED_M).collect();
         let all = lifted.iter().all(|l| *l);
         let standing = self.soles.iter().zip(&lifted).filter(|(_, lifted)| all || !**lifted);
         let corners: Vec<Vec3> =
             standing.flat_map(|(s, _)| s.corners.iter().map(|(l, at)| k.point(*l, at))).collect();
         let support = Support::of(&corners);
         let com = t.com_at(row);
-        let omega = (t.gravity.norm() / t.height(&com).max(0.2)).sqrt();
+        let omega = (t.gravity.norm() / t.height(row, &com).max(0.2)).sqrt();
         let velocity = vec_at(&t.momentum, 6 * row) / t.mass_at(row);
         let outside = |p: &Vec3| !support.is_empty() && !support.contains(&ground(p));
         let mut gone = vec![outside(&(com + velocity / omega)), outside(&com)];

@@ -34,6 +34,9 @@ pub struct MjcfGround {
     pub friction: f64,
     /// Direction in which it faces, unit length.
     pub up: Vec3,
+    /// Whether it can turn, about the point under the world's origin: then it is the top of a slab on a ball joint, named
+    /// `ground` as its geom is, the last in the file, too heavy to be moved by what stands on it.
+    pub turns: bool,
 }
 
 /// What an MJCF file holds besides the body.
@@ -142,18 +145,36 @@ impl Writer<'_> {
                 let r = motion::rotation::between(&Vec3::z(), &ground.up);
                 numbers(&[r.w, r.i, r.j, r.k])
             };
-            self.line(
-                2,
-                &format!(
-                    "<geom name=\"ground\" type=\"plane\" size=\"20 20 1\" pos=\"{at}\" quat=\"{turn}\" contype=\"1\" conaffinity=\"2\" rgba=\"0.8 0.8 0.8 1\"/>"
-                ),
-            );
+            if !ground.turns {
+                self.line(
+                    2,
+                    &format!(
+                        "<geom name=\"ground\" type=\"plane\" size=\"20 20 1\" pos=\"{at}\" quat=\"{turn}\" contype=\"1\" conaffinity=\"2\" rgba=\"0.8 0.8 0.8 1\"/>"
+                    ),
+                );
+            }
         }
         self.body(0, 2, &Transform::identity(), true)?;
+        if let Some(ground) = self.options.ground.filter(|g| g.turns) {
+            self.slab(&ground);
+        }
         self.line(1, "</worldbody>");
         self.actuators();
         self.line(0, "</mujoco>");
         Ok(())
+    }
+
+    /// Ground that can turn, level in its zero pose.
+    fn slab(&mut self, ground: &MjcfGround) {
+        let at = numbers(&[0.0, ground.height_m, 0.0]);
+        self.line(2, &format!("<body name=\"ground\" pos=\"{at}\">"));
+        self.line(3, "<joint name=\"ground\" type=\"ball\" armature=\"1e9\"/>");
+        self.line(3, "<inertial pos=\"0 0 0\" mass=\"1\" diaginertia=\"1 1 1\"/>");
+        self.line(
+            3,
+            "<geom name=\"ground\" type=\"box\" size=\"5 0.5 5\" pos=\"0 -0.5 0\" contype=\"1\" conaffinity=\"2\" rgba=\"0.8 0.8 0.8 1\"/>",
+        );
+        self.line(2, "</body>");
     }
 
     /// Cones that are no cylinders, under the names of their geoms.

@@ -7,7 +7,7 @@
 
 use std::sync::Arc;
 
-use motion::{Clip, Vec3};
+use motion::{Clip, Quat, Vec3};
 
 use crate::{Carried, Character};
 
@@ -63,8 +63,9 @@ impl Handed {
 /// What the world does to the body beyond gravity, level ground and contacts.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Disturbed {
-    /// Direction in which the ground faces, unit length.
-    pub ground_up: Vec3,
+    /// Direction in which the ground faces, unit length: one for all rows, or one per row where it turns. It turns about
+    /// the point of it under the world's origin.
+    pub ground_up: Vec<Vec3>,
     /// Wrench of pushes and of hands that give and take what is carried, `rows × 6`: force (N), moment about the
     /// root's origin (N·m). A mass is given and taken at the velocity of its link: its momentum comes and goes
     /// within one row. Empty where there is none.
@@ -77,7 +78,7 @@ pub struct Disturbed {
 
 impl Default for Disturbed {
     fn default() -> Self {
-        Self { ground_up: Vec3::y(), wrench: Vec::new(), carried: Vec::new(), carried_com: Vec::new() }
+        Self { ground_up: vec![Vec3::y()], wrench: Vec::new(), carried: Vec::new(), carried_com: Vec::new() }
     }
 }
 
@@ -180,9 +181,35 @@ impl Trace {
         self.character.mass() + carried.map(|c| c.what.mass).sum::<f64>()
     }
 
-    /// Height of a point over the ground plane, along the plane's normal, m; over zero without ground.
-    pub fn height(&self, p: &Vec3) -> f64 {
-        self.disturbed.ground_up.dot(&(p - Vec3::y() * self.ground_m.unwrap_or(0.0)))
+    /// Direction in which the ground faces in a row, unit length.
+    pub fn ground_up(&self, row: usize) -> Vec3 {
+        let all = &self.disturbed.ground_up;
+        all.get(row).or(all.last()).copied().unwrap_or(Vec3::y())
+    }
+
+    /// Whether the ground turns during the run.
+    pub fn ground_turns(&self) -> bool {
+        self.disturbed.ground_up.windows(2).any(|w| w[0] != w[1])
+    }
+
+    /// Height of a point over the ground plane of a row, along the plane's normal, m; over zero without ground.
+    pub fn height(&self, row: usize, p: &Vec3) -> f64 {
+        self.ground_up(row).dot(&(p - self.pivot()))
+    }
+
+    /// Where a point of a row, riding on the ground, was in row 0, m.
+    pub fn unturned(&self, row: usize, p: &Vec3) -> Vec3 {
+        self.pivot() + self.ground_turn(0) * (self.ground_turn(row).inverse() * (p - self.pivot()))
+    }
+
+    /// The rotation that takes level ground to that of a row.
+    pub fn ground_turn(&self, row: usize) -> Quat {
+        let up = self.ground_up(row);
+        if up == Vec3::y() { Quat::identity() } else { motion::rotation::between(&Vec3::y(), &up) }
+    }
+
+    fn pivot(&self) -> Vec3 {
+        Vec3::y() * self.ground_m.unwrap_or(0.0)
     }
 
     /// Centre of pressure of a row on the ground plane, m; `None` without load.
@@ -250,7 +277,11 @@ impl Trace {
             to_row: shifted(c.to_row),
         };
         let disturbed = Disturbed {
-            ground_up: d.ground_up,
+            ground_up: if d.ground_up.len() == all {
+                d.ground_up[rows.clone()].to_vec()
+            } else {
+                d.ground_up.clone()
+            },
             wrench: part(&d.wrench),
             carried: d.carried.iter().map(handed).collect(),
             carried_com: part(&d.carried_com),

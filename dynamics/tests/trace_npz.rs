@@ -168,7 +168,7 @@ fn units_name_arrays() {
     let mut disturbed = plain.clone();
     let what = dynamics::Carried::solid_box(0, 1.0, Vec3::zeros(), Vec3::repeat(0.1));
     disturbed.disturbed = dynamics::Disturbed {
-        ground_up: Vec3::new(0.6, 0.8, 0.0),
+        ground_up: vec![Vec3::new(0.6, 0.8, 0.0)],
         wrench: vec![0.0; 30],
         carried: vec![dynamics::Handed { what, from_row: 0, to_row: 5 }],
         carried_com: vec![0.0; 15],

@@ -15,7 +15,7 @@ fn disturbed(rows: usize) -> Disturbed {
     let what = Carried::solid_box(7, 5.0, Vec3::new(0.1, -0.2, 0.3), Vec3::new(0.3, 0.2, 0.1));
     let numbers = |n: usize| (0..n * rows).map(|i| (i as f64).cos()).collect();
     Disturbed {
-        ground_up: Vec3::new(0.6, 0.8, 0.0),
+        ground_up: (0..rows).map(|i| Vec3::new(0.1 * (i as f64).sin(), 1.0, 0.0).normalize()).collect(),
         wrench: numbers(6),
         carried: vec![Handed { what, from_row: 1, to_row: 4 }],
         carried_com: numbers(3),

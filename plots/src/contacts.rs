@@ -41,13 +41,14 @@ pub fn contact_forces<'a>(trace: impl Into<Excerpt<'a>>, note: &str) -> Figure {
         sum.into_iter().chain(parts.iter().map(|p| of(&p.forces, p.color))).collect()
     };
     let horizontal = |f: &Vec3| f.x.hypot(f.z);
-    let up = trace.disturbed.ground_up;
     let friction = parts.iter().map(|p| {
-        let used = |f: &Vec3| {
+        let used = |(row, f): (usize, &Vec3)| {
+            let up = trace.ground_up(row);
             let normal = f.dot(&up);
             if normal > LOADED * weight { (f - up * normal).norm() / normal } else { f64::NAN }
         };
-        Series::over_time(trace.clock(), after_start(&p.forces, used), p.color)
+        let all = std::iter::once(f64::NAN).chain(p.forces.iter().enumerate().skip(1).map(used));
+        Series::over_time(trace.clock(), all, p.color)
     });
     let mean = total[1.min(rows)..].iter().map(|f| f.y).sum::<f64>() / rows.saturating_sub(1).max(1) as f64;
     let mut panels = [

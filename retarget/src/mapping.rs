@@ -49,7 +49,7 @@ pub struct MappedFrame {
 }
 
 impl Mapping {
-    /// Learns from checked key poses.
+    /// Learns from checked key poses; `gplvm` are the settings of the shared GPLVM, which other models do not need.
     ///
     /// # Errors
     /// What [`KeyPoses::check`] finds, a puppet whose root is not free, what the model says.
@@ -57,7 +57,7 @@ impl Mapping {
         puppet: &Puppet,
         key_poses: &KeyPoses,
         model: MappingModel,
-        latent: Option<usize>,
+        gplvm: &GplvmOptions,
     ) -> Result<Self, RetargetError> {
         if !has_free_root(&puppet.character) {
             let (character, link) =
@@ -68,8 +68,7 @@ impl Mapping {
         let (y, z) = key_poses.observations(puppet);
         let fault = |e: learn::FitError| RetargetError::Learn(e.to_string());
         let pairs = Pairs::new(&y, &z).map_err(fault)?;
-        let options = GplvmOptions { dimension: latent, ..GplvmOptions::default() };
-        let model = Model::fit(model, &pairs, &options).map_err(fault)?;
+        let model = Model::fit(model, &pairs, gplvm).map_err(fault)?;
         let names = key_poses.pairs[0].performer.features.points.iter().map(|p| p.name.clone()).collect();
         let poses = key_poses.pairs.iter().map(|p| p.character.clone()).collect();
         let fit = JointFit::new(&puppet.character.skeleton, &puppet.features);

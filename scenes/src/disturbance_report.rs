@@ -10,16 +10,32 @@ use crate::Stage;
 /// What disturbs the performer, as the scene says it.
 #[derive(Clone, Debug, Serialize)]
 pub struct DisturbanceReport {
-    /// Steepness of the ground; absent without ground.
+    /// Steepness of the ground at the start; absent without ground.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub ground_tilt_deg: Option<f64>,
     /// Coulomb friction of the ground; absent without ground.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub ground_friction: Option<f64>,
+    /// Turns of the ground, in order of time.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub ground_tilts: Vec<TiltReport>,
     /// Pushes.
     pub pushes: Vec<PushReport>,
     /// Masses carried.
     pub carried: Vec<CarriedReport>,
+}
+
+/// A turn of the ground.
+#[derive(Clone, Debug, Serialize)]
+pub struct TiltReport {
+    /// When it begins, s.
+    pub start_s: f64,
+    /// How long it takes, s.
+    pub duration_s: f64,
+    /// How steep the ground is afterwards, degrees.
+    pub tilt_deg: f64,
+    /// Where it then falls to, degrees.
+    pub towards_deg: f64,
 }
 
 /// A push.
@@ -61,6 +77,16 @@ impl DisturbanceReport {
         Self {
             ground_tilt_deg: ground.map(|g| g.up.y.clamp(-1.0, 1.0).acos().to_degrees()),
             ground_friction: ground.map(|g| g.friction),
+            ground_tilts: stage
+                .tilts
+                .iter()
+                .map(|t| TiltReport {
+                    start_s: t.start_s,
+                    duration_s: t.duration_s,
+                    tilt_deg: t.tilt.to_degrees(),
+                    towards_deg: t.towards.to_degrees(),
+                })
+                .collect(),
             pushes: stage
                 .pushes
                 .iter()

@@ -1,17 +1,45 @@
-//! Disturbances of a scene, checked: pushes and carried masses.
+//! Disturbances of a scene, checked: ground that tilts, pushes and carried masses.
 //!
-//! In: what the file says. Out: the same in SI units with links found, or an error at the very value. Ground is read
+//! In: what the file says. Out: the same in SI units with links found, or an error at the very value. The ground itself is read
 //! with the world, in [`crate::scene`].
 
-use dynamics::{Carried, Carrying};
+use dynamics::{Carried, Carrying, RootMode};
 use motion::{Joint, Vec3};
-use sim::Push;
+use sim::{Push, Tilt};
 
 use crate::SceneError;
 use crate::scene::Check;
-use crate::schema::{CarriedRon, ImpulseRon, PushRon};
+use crate::schema::{CarriedRon, GroundRon, ImpulseRon, PushRon};
 
 impl Check<'_> {
+    /// Turns of the ground.
+    pub(crate) fn tilts(&self, ground: &GroundRon, root: RootMode) -> Result<Vec<Tilt>, SceneError> {
+        let GroundRon::Plane { tilts, .. } = ground else { return Ok(Vec::new()) };
+        let mut free_s = 0.0;
+        let one = |(i, t): (usize, &_)| {
+            let crate::schema::TiltRon { start_s, duration_s, tilt_deg, towards_deg, curve } = *t;
+            let at = format!("world.ground.tilts[{i}]");
+            if root == RootMode::Pinned {
+                let message = "the ground tilts under a pinned root; allowed: with root Free or Assisted";
+                return Err(self.source.error(&at, message));
+            }
+            let start_s = self.within(&format!("{at}.start_s"), start_s, 0.0, 86_400.0, "s")?;
+            if start_s < free_s {
+                let message = format!(
+                    "begins at {start_s} s; allowed: from {free_s} s on, when the turn before it ends"
+                );
+                return Err(self.source.error(&format!("{at}.start_s"), message));
+            }
+            let duration_s = self.within(&format!("{at}.duration_s"), duration_s, 0.05, 3600.0, "s")?;
+            free_s = start_s + duration_s;
+            let tilt = self.within(&format!("{at}.tilt_deg"), tilt_deg, 0.0, 30.0, "°")?;
+            let towards = self.within(&format!("{at}.towards_deg"), towards_deg, -360.0, 360.0, "°")?;
+            let curve = self.curve(&format!("{at}.curve"), curve)?;
+            Ok(Tilt { start_s, duration_s, tilt: tilt.to_radians(), towards: towards.to_radians(), curve })
+        };
+        tilts.iter().enumerate().map(one).collect()
+    }
+
     /// Pushes.
     pub(crate) fn pushes(&self, ron: &[PushRon]) -> Result<Vec<Push>, SceneError> {
         ron.iter()

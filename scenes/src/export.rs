@@ -54,7 +54,7 @@ const FRICTION: f64 = 0.8;
 /// [`ExportError`].
 pub fn mjcf(path: &Path, clip: &bvh::ImportOptions, dynamics_only: bool) -> Result<BodyMjcf, ExportError> {
     let kind = path.extension().map(|e| e.to_string_lossy().to_lowercase());
-    let level = MjcfGround { height_m: 0.0, friction: FRICTION, up: Vec3::y() };
+    let level = MjcfGround { height_m: 0.0, friction: FRICTION, up: Vec3::y(), turns: false };
     let mut left_out = Vec::new();
     let alone = match kind.as_deref() {
         Some("xml" | "mjcf" | "urdf") => {
@@ -72,7 +72,12 @@ pub fn mjcf(path: &Path, clip: &bvh::ImportOptions, dynamics_only: bool) -> Resu
         None => {
             let stage = open(path, None, clip)?;
             let ground = stage.physics.ground;
-            let ground = ground.map(|g| MjcfGround { height_m: g.height_m, friction: g.friction, up: g.up });
+            let ground = ground.map(|g| MjcfGround {
+                height_m: g.height_m,
+                friction: g.friction,
+                up: g.up,
+                turns: g.turns,
+            });
             // the body as it is at the start: what comes later is not in a file without time
             let carried = stage.carried.iter().filter(|c| c.at(0.0)).map(|c| &c.what);
             (stage.character.carrying(carried), stage.physics.gravity, ground)

@@ -355,7 +355,7 @@ impl Report {
                 mass_kg: c.mass(),
             },
             kinematic: KinematicReport {
-                feet: feet(stage, &stage.kinematic).into(),
+                feet: feet(stage, &stage.kinematic, None).into(),
                 jerk_rms_m_s3: jerk,
                 jerk_ratio: if plain_jerk > 0.0 { jerk / plain_jerk } else { 1.0 },
                 clamped_frames: stage.clamped,
@@ -376,14 +376,17 @@ impl Report {
     }
 }
 
-fn feet(stage: &Stage, clip: &Clip) -> FeetMetrics {
+/// How the feet moved over the ground: as it begins, or as a trace of the clip's rate has it.
+fn feet(stage: &Stage, clip: &Clip, trace: Option<&Trace>) -> FeetMetrics {
     let c = &stage.character;
     let sites: Vec<_> = c.contacts.iter().map(|&i| &c.skeleton.sites()[i]).collect();
     let Some(ground) = stage.physics.ground else { return metrics::feet(clip, &sites, 0.0) };
-    if ground.up == Vec3::y() {
+    let up = |frame: usize| trace.map_or(ground.up, |t| t.ground_up(frame));
+    if ground.up == Vec3::y() && !trace.is_some_and(Trace::ground_turns) {
         return metrics::feet(clip, &sites, ground.height_m);
     }
-    metrics::feet(&crate::stage::levelled(clip, &ground), &sites, ground.height_m)
+    let levelled = crate::stage::levelled(clip, |frame| sim::Ground { up: up(frame), ..ground });
+    metrics::feet(&levelled, &sites, ground.height_m)
 }
 
 fn dynamic(stage: &Stage, o: &Outcome) -> DynamicReport {
@@ -436,7 +439,7 @@ fn dynamic(stage: &Stage, o: &Outcome) -> DynamicReport {
             .collect(),
         support_margin_mm_min: support_margin(t),
         root: root(t, c.mass()),
-        feet: feet(stage, clip).into(),
+        feet: feet(stage, clip, Some(t)).into(),
         contact: contact(t),
         sagging: sagging(stage, o),
         leg_tension: o
@@ -534,7 +537,6 @@ fn contact(t: &Trace) -> ContactReport {
     let rows = sums.len();
     let mean = |s: &[Vec3]| s.iter().map(|f| f.y).sum::<f64>() / s.len().max(1) as f64;
     let last = ((0.5 * t.rate_hz) as usize).clamp(1, rows.max(1));
-    let up = t.disturbed.ground_up;
     let mut used: f64 = 0.0;
     let mut i = 0;
     while i < t.contacts.len() {
@@ -544,6 +546,7 @@ fn contact(t: &Trace) -> ContactReport {
             sum += t.contacts[i].force;
             i += 1;
         }
+        let up = t.ground_up(row);
         let normal = sum.dot(&up);
         if normal > 0.05 * weight {
             used = used.max((sum - up * normal).norm() / normal);

@@ -15,7 +15,7 @@ use edits::{
 };
 use motion::script::{Action, Cycle, Insert, Pose, PoseValue, Properties, Script};
 use motion::{Curve, Dof, Joint, LimbKind, Value, Vec3};
-use sim::{Ground, Push};
+use sim::{Ground, Push, Tilt};
 
 use crate::angle::quat_from_deg;
 use crate::footwork::Footwork;
@@ -80,6 +80,8 @@ pub struct Scene {
     pub footwork: Footwork,
     /// Numbers of the dynamic pass.
     pub physics: Physics,
+    /// Turns of the ground, in order of time.
+    pub tilts: Vec<Tilt>,
     /// Pushes from outside.
     pub pushes: Vec<Push>,
     /// Gazes: reactive properties beside the balance.
@@ -123,6 +125,7 @@ pub fn parse(source: Source, name: String) -> Result<Scene, SceneError> {
     let (script, edits) = (check.script(&ron)?, check.edits(&ron.edits)?);
     let planted = check.planted(ron.planted.as_deref())?;
     let footwork = check.footwork(&ron.footwork, &planted, &physics)?;
+    let tilts = check.tilts(&ron.world.ground, physics.root)?;
     let pushes = check.pushes(&ron.pushes)?;
     let carried = check.carried(&ron.carried)?;
     let gazes = check.gazes(&ron.reactive)?;
@@ -142,6 +145,7 @@ pub fn parse(source: Source, name: String) -> Result<Scene, SceneError> {
         planted,
         footwork,
         physics,
+        tilts,
         pushes,
         carried,
         gazes,
@@ -188,7 +192,7 @@ impl Check<'_> {
             self.within("physics.tension", p.tension, *TENSIONS.start(), *TENSIONS.end(), "(1 = natural)")?;
         let ground = match ron.world.ground {
             GroundRon::None => None,
-            GroundRon::Plane { friction, height_m, tilt_deg, towards_deg } => {
+            GroundRon::Plane { friction, height_m, tilt_deg, towards_deg, .. } => {
                 let friction = self.within("world.ground.friction", friction, 0.0, 2.0, "")?;
                 let height_m = self.within("world.ground.height_m", height_m, -1e3, 1e3, "m")?;
                 let tilt = self.within("world.ground.tilt_deg", tilt_deg, 0.0, 30.0, "°")?;
@@ -399,6 +403,22 @@ impl Check<'_> {
         Err(self.source.unknown(at, "joint", name, within, names.iter().map(String::as_str)))
     }
 
+    pub(crate) fn curve(&self, at: &str, curve: CurveRon) -> Result<Curve, SceneError> {
+        let curve = match curve {
+            CurveRon::Linear => Curve::Linear,
+            CurveRon::EaseIn => Curve::EaseIn,
+            CurveRon::EaseOut => Curve::EaseOut,
+            CurveRon::EaseInOut => Curve::EaseInOut,
+            CurveRon::Overshoot => Curve::Overshoot,
+            CurveRon::Anticipate => Curve::Anticipate,
+            CurveRon::Bezier(x1, y1, x2, y2) => Curve::Bezier(x1, y1, x2, y2),
+        };
+        if curve.is_valid() {
+            return Ok(curve);
+        }
+        Err(self.source.error(at, "a Bezier handle is out of range; allowed: x from 0 to 1, y finite"))
+    }
+
     fn properties(&self, at: &str, p: PropertiesRon) -> Result<Properties, SceneError> {
         let time = |field: &str, x: Option<f64>| {
             x.map(|x| self.within(&format!("{at}.{field}"), x, 0.0, 86_400.0, "s")).transpose()
@@ -407,19 +427,7 @@ impl Check<'_> {
             .tension
             .map(|x| self.within(&format!("{at}.tension"), x, 1e-3, 1e3, "(1 = natural)"))
             .transpose()?;
-        let curve = p.curve.map(|c| match c {
-            CurveRon::Linear => Curve::Linear,
-            CurveRon::EaseIn => Curve::EaseIn,
-            CurveRon::EaseOut => Curve::EaseOut,
-            CurveRon::EaseInOut => Curve::EaseInOut,
-            CurveRon::Overshoot => Curve::Overshoot,
-            CurveRon::Anticipate => Curve::Anticipate,
-            CurveRon::Bezier(x1, y1, x2, y2) => Curve::Bezier(x1, y1, x2, y2),
-        });
-        if curve.is_some_and(|c| !c.is_valid()) {
-            let message = "a Bezier handle is out of range; allowed: x from 0 to 1, y finite";
-            return Err(self.source.error(&format!("{at}.curve"), message));
-        }
+        let curve = p.curve.map(|c| self.curve(&format!("{at}.curve"), c)).transpose()?;
         Ok(Properties {
             curve,
             tension,

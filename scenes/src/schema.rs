@@ -423,7 +423,7 @@ pub enum EditRon {
 }
 
 /// Gravity and ground.
-#[derive(Clone, Copy, Debug, Deserialize)]
+#[derive(Clone, Debug, Deserialize)]
 #[serde(deny_unknown_fields, rename = "world", default)]
 pub struct WorldRon {
     /// Gravity, m/s².
@@ -436,13 +436,19 @@ impl Default for WorldRon {
     fn default() -> Self {
         Self {
             gravity_m_s2: (0.0, -9.81, 0.0),
-            ground: GroundRon::Plane { friction: 0.8, height_m: 0.0, tilt_deg: 0.0, towards_deg: 0.0 },
+            ground: GroundRon::Plane {
+                friction: 0.8,
+                height_m: 0.0,
+                tilt_deg: 0.0,
+                towards_deg: 0.0,
+                tilts: Vec::new(),
+            },
         }
     }
 }
 
 /// The ground.
-#[derive(Clone, Copy, Debug, Deserialize)]
+#[derive(Clone, Debug, Deserialize)]
 #[serde(deny_unknown_fields, rename = "ground")]
 pub enum GroundRon {
     /// None: the body hangs in the air.
@@ -460,7 +466,33 @@ pub enum GroundRon {
         /// Where it falls to: 0 forward, 90 the character's left, degrees.
         #[serde(default)]
         towards_deg: f64,
+        /// How it turns during the run, in order of time.
+        #[serde(default)]
+        tilts: Vec<TiltRon>,
     },
+}
+
+/// A turn of the ground.
+#[derive(Clone, Copy, Debug, Deserialize)]
+#[serde(deny_unknown_fields, rename = "Tilt")]
+pub struct TiltRon {
+    /// When it begins, s.
+    pub start_s: f64,
+    /// How long it takes, s.
+    pub duration_s: f64,
+    /// How steep the ground is afterwards, degrees.
+    #[serde(default)]
+    pub tilt_deg: f64,
+    /// Where it then falls to, degrees.
+    #[serde(default)]
+    pub towards_deg: f64,
+    /// How it gets there.
+    #[serde(default = "ease_in_out")]
+    pub curve: CurveRon,
+}
+
+fn ease_in_out() -> CurveRon {
+    CurveRon::EaseInOut
 }
 
 /// What holds the root.

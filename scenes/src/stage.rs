@@ -26,7 +26,7 @@ use motion::stance::Stance;
 use motion::support::ground;
 use motion::{Clip, Joint, Kinematics, Shape, Tracks, Transform, Vec3};
 use nalgebra::{Point3, Translation3};
-use sim::{Ground, Pass, PassError, Push};
+use sim::{Ground, Pass, PassError, Push, Tilt};
 
 use crate::overrides::Overrides;
 use crate::retargeting::{RetargetingError, Session};
@@ -156,6 +156,8 @@ pub struct Stage {
     pub plants: Vec<Plant>,
     /// Numbers of the dynamic pass.
     pub physics: Physics,
+    /// Turns of the ground, in order of time.
+    pub tilts: Vec<Tilt>,
     /// Pushes from outside.
     pub pushes: Vec<Push>,
     /// Gazes: reactive properties beside the balance.
@@ -277,6 +279,9 @@ pub fn stage_scene(scene: Scene) -> Result<Stage, SceneError> {
     if end * rate_hz > MOST_STEPS {
         return Err(scene.source.error("script", too_long(end, rate_hz)));
     }
+    for (i, t) in scene.tilts.iter().enumerate() {
+        begins(&scene, &format!("world.ground.tilts[{i}].start_s"), t.start_s, end)?;
+    }
     for (i, p) in scene.pushes.iter().enumerate() {
         begins(&scene, &format!("pushes[{i}].start_s"), p.start_s, end)?;
     }
@@ -307,6 +312,7 @@ pub fn stage_scene(scene: Scene) -> Result<Stage, SceneError> {
         log,
         plants,
         physics: scene.physics,
+        tilts: scene.tilts.clone(),
         pushes: scene.pushes.clone(),
         carried: scene.carried.clone(),
         gazes: scene.gazes.clone(),
@@ -320,9 +326,8 @@ pub fn stage_scene(scene: Scene) -> Result<Stage, SceneError> {
     })
 }
 
-/// A clip as it looks where tilted ground is level.
-pub(crate) fn levelled(clip: &Clip, ground: &Ground) -> Clip {
-    let back = onto(ground).inverse();
+/// A clip as it looks where tilted ground, given for every frame, is level.
+pub(crate) fn levelled(clip: &Clip, ground: impl Fn(usize) -> Ground) -> Clip {
     let skeleton = &clip.skeleton;
     let mut out = clip.clone();
     if !matches!(skeleton.links()[0].joint, Joint::Free) {
@@ -330,6 +335,7 @@ pub(crate) fn levelled(clip: &Clip, ground: &Ground) -> Clip {
     }
     let at = skeleton.q_at(0) + 3;
     for f in 0..out.frames() {
+        let back = onto(&ground(f)).inverse();
         let q = out.pose_mut(f);
         let p = back * Point3::from(skeleton.position(q, 0));
         skeleton.set_position(q, 0, &p.coords);
@@ -351,8 +357,7 @@ fn begins(scene: &Scene, at: &str, begins_s: f64, end_s: f64) -> Result<(), Scen
 
 /// From level ground to tilted ground: a turn about the point of the ground under the world's origin.
 fn onto(ground: &Ground) -> Transform {
-    let pivot = Translation3::new(0.0, ground.height_m, 0.0);
-    pivot * ground.turn() * pivot.inverse()
+    ground.place() * Translation3::from(ground.pivot()).inverse()
 }
 
 /// The stage of a scene whose motion is a human's.
@@ -369,6 +374,7 @@ fn stage_retargeted(scene: &Scene, motion: &SceneMotion) -> Result<Stage, SceneE
     let mut stage = session.stage(&done);
     stage.name.clone_from(&scene.name);
     stage.physics = Physics { rate_hz: stage.physics.rate_hz, ..scene.physics };
+    stage.tilts.clone_from(&scene.tilts);
     stage.pushes.clone_from(&scene.pushes);
     stage.strip = scene.strip;
     Ok(stage)
@@ -497,6 +503,7 @@ impl Stage {
                 ground: Some(Ground::level(0.0, FRICTION)),
                 balance: BalanceSettings::default(),
             },
+            tilts: Vec::new(),
             pushes: Vec::new(),
             carried: Vec::new(),
             gazes: Vec::new(),
@@ -543,6 +550,7 @@ impl Stage {
             root: p.root,
             // a pinned clip passes through the floor as it was captured: contact would fight the pin
             ground: if held && self.clip.is_some() { None } else { p.ground },
+            tilts: self.tilts.clone(),
             pushes: self.pushes.clone(),
             carried: self.carried.clone(),
         }

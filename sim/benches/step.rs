@@ -22,7 +22,7 @@ const BLOCK: usize = 24;
 /// Blocks of each kind.
 const BLOCKS: usize = 100;
 const GRAVITY: Vec3 = Vec3::new(0.0, -9.81, 0.0);
-const GROUND: Ground = Ground { height_m: 0.0, friction: 0.8, up: Vec3::new(0.0, 1.0, 0.0) };
+const GROUND: Ground = Ground::level(0.0, 0.8);
 
 /// The body standing with fixed drives: nothing but the engine.
 fn bare(c: &Character) -> (World, Vec<Drive>) {
@@ -68,6 +68,7 @@ fn whole(c: &Arc<Character>, scripted: bool) -> Run {
         root: RootMode::Free,
         ground: Some(GROUND),
         pushes: Vec::new(),
+        tilts: Vec::new(),
         carried: Vec::new(),
     };
     pass.start().unwrap()

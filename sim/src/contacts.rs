@@ -1,12 +1,16 @@
 //! Contact forces: what the ground did to each point of the body during the last step.
 //!
 //! In: a [`World`] after [`Engine::step`](crate::Engine::step). Out: one force per active contact point, mean over the step,
-//! world frame, N. Friction is read from the engine's two tangent impulses, whose basis is not stored
-//! and is recovered from the world-frame copy of the last substep's.
+//! world frame, N.
+//!
+//! A manifold keeps the points that lay near each other at the last collision test, and with each the impulses of the
+//! last step in which the solver saw it. Only its solver contacts took part in this step: the impulses of the others
+//! are old. Friction is along the basis that the solver makes of the normal.
 
 use dynamics::ContactSample;
 use motion::Vec3;
 use rapier3d::prelude as rp;
+use rapier3d::utils::OrthonormalBasis;
 
 use crate::world::{World, from_glam};
 
@@ -17,35 +21,32 @@ impl World {
         let first = out.len();
         for pair in self.physics.contact_pairs() {
             let owner = |c: rp::ColliderHandle| {
-                self.physics.colliders.get(c).and_then(|c| c.parent().map(|h| (h, *c.position())))
+                let collider = self.physics.colliders.get(c)?;
+                let body = self.handles.iter().position(|h| Some(*h) == collider.parent())?;
+                Some((body, *collider.position()))
             };
             let (body, place, on_first) = match (owner(pair.collider1), owner(pair.collider2)) {
-                (Some((h, at)), None) => (h, at, true),
-                (None, Some((h, at))) => (h, at, false),
+                (Some((body, at)), None) => (body, at, true),
+                (None, Some((body, at))) => (body, at, false),
                 _ => continue,
             };
-            let Some(index) = self.handles.iter().position(|h| *h == body) else { continue };
             for manifold in pair.manifolds() {
-                let normal = -from_glam(manifold.data.normal);
-                for point in &manifold.points {
+                let normal = -manifold.data.normal;
+                let tangent = normal.orthonormal_vector();
+                let basis = [normal, tangent, normal.cross(tangent)].map(from_glam);
+                for contact in &manifold.data.solver_contacts {
+                    let point = &manifold.points[contact.contact_indices()[0] as usize];
                     let c = &point.data;
-                    if c.impulse == 0.0 && c.tangent_impulse.norm() == 0.0 {
+                    let impulse = [c.impulse, c.tangent_impulse[0], c.tangent_impulse[1]];
+                    if impulse == [0.0; 3] {
                         continue;
                     }
-                    let mut force = normal * c.impulse;
-                    let (x, y) = (c.warmstart_tangent_impulse[0], c.warmstart_tangent_impulse[1]);
-                    let squared = x * x + y * y;
-                    if squared > 0.0 {
-                        let world = from_glam(c.warmstart_tangent_world);
-                        let t1 = (world * x - normal.cross(&world) * y) / squared;
-                        let t2 = normal.cross(&t1);
-                        force += t1 * c.tangent_impulse[0] + t2 * c.tangent_impulse[1];
-                    }
+                    let force: Vec3 = basis.iter().zip(impulse).map(|(b, x)| b * x).sum();
                     let local = if on_first { point.local_p1 } else { point.local_p2 };
                     let sign = if on_first { 1.0 } else { -1.0 };
                     out.push(ContactSample {
                         row,
-                        link: self.model.bodies[index].link,
+                        link: self.model.bodies[body].link,
                         point: from_glam(place * local),
                         force: force * (sign * inv_dt),
                         depth: -point.dist,

@@ -48,6 +48,10 @@ pub trait Engine {
     /// of the next step, inertial forces on all it carries included. `state` is of the present pose.
     fn move_root(&mut self, state: &State, q_next: &[f64]);
 
+    /// Turns ground that may turn ([`crate::Ground::turns`]) so that it faces `up` (unit length, world) at the end of the
+    /// next step, at a constant rate through it. Without a call it rests.
+    fn turn_ground(&mut self, up: &Vec3);
+
     /// Adds an outside wrench for the next step.
     fn add_wrench(&mut self, w: &Wrench);
 

@@ -8,15 +8,20 @@
 //! |---|---|
 //! | [`world`] | the articulated body and the ground in rapier |
 //! | [`engine`] | what the pass asks of an engine |
+//! | [`ground`] | the ground, and how it turns |
 //! | [`contacts`] | contact forces |
+//! | [`momentum`] | what integration loses of a free body's momentum |
 //! | [`pass`] | a whole run, recorded |
 
 pub mod contacts;
 pub mod engine;
+pub mod ground;
 mod load;
+pub mod momentum;
 pub mod pass;
 pub mod world;
 
 pub use engine::Engine;
+pub use ground::{Ground, Tilt};
 pub use pass::{Outcome, Pass, PassError, Push, Run};
-pub use world::{ContactLaw, Ground, World, WorldError, WorldSettings};
+pub use world::{ContactLaw, World, WorldError, WorldSettings};

@@ -17,8 +17,9 @@ use motion::{Joint, Vec3};
 use thiserror::Error;
 
 use crate::Engine;
+use crate::ground::{Ground, Tilt};
 use crate::load::Load;
-use crate::world::{ContactLaw, Ground, World, WorldError, WorldSettings};
+use crate::world::{ContactLaw, World, WorldError, WorldSettings};
 
 /// Why a pass cannot start or go on.
 #[derive(Clone, Debug, PartialEq, Error)]
@@ -56,6 +57,8 @@ pub struct Pass {
     pub root: RootMode,
     /// Ground plane, if any.
     pub ground: Option<Ground>,
+    /// Turns of the ground, in order of time.
+    pub tilts: Vec<Tilt>,
     /// Pushes from outside.
     pub pushes: Vec<Push>,
     /// Masses carried.
@@ -135,7 +138,7 @@ impl Pass {
             rate_hz,
             substeps,
             gravity,
-            ground: self.ground,
+            ground: self.ground.map(|g| if self.tilts.is_empty() { g } else { g.turning() }),
             pinned,
             contact: ContactLaw::Stiff,
         };
@@ -168,6 +171,8 @@ impl Pass {
             state,
             root,
             assist,
+            ground: settings.ground,
+            tilts: self.tilts,
             pushes: self.pushes,
             load,
             row: 0,
@@ -186,6 +191,9 @@ pub struct Run<E: Engine = World> {
     state: State,
     root: RootMode,
     assist: Option<Assist>,
+    /// As it begins.
+    ground: Option<Ground>,
+    tilts: Vec<Tilt>,
     pushes: Vec<Push>,
     load: Load,
     row: usize,
@@ -241,6 +249,7 @@ impl<E: Engine> Run<E> {
             outside.force += (after.linear - before.linear) * rate_hz;
             outside.moment += (after.angular - before.angular) * rate_hz;
         }
+        controller.feel(&self.recorder.contacts);
         controller.step(row, world.q(), world.v())?;
         world.set_drives(controller.drives());
         let t = (row - 1) as f64 / rate_hz;
@@ -265,8 +274,14 @@ impl<E: Engine> Run<E> {
             }
             RootMode::Pinned => world.move_root(state, controller.goal().pose(row)),
         }
+        if let (Some(ground), false) = (&self.ground, self.tilts.is_empty()) {
+            let up = ground.at(&self.tilts, row as f64 / rate_hz).up;
+            world.turn_ground(&up);
+            self.recorder.trace.disturbed.ground_up.push(up);
+        }
         if let Err(error) = world.step() {
             self.diverged = Some(error);
+            self.recorder.trace.disturbed.ground_up.truncate(row);
             return Ok(false);
         }
         state.update(world.model(), world.q(), world.v());
@@ -312,6 +327,7 @@ impl<E: Engine> Run<E> {
 /// Fills a trace row by row.
 struct Recorder {
     trace: Trace,
+    /// Of the last row.
     contacts: Vec<ContactSample>,
     /// Whether wrenches from outside are recorded.
     disturbed: bool,
@@ -361,7 +377,10 @@ impl Recorder {
             com: room(3),
             momentum: room(6),
             link_com: room(3 * links),
-            disturbed: Disturbed { ground_up: ground.map_or(Vec3::y(), |g| g.up), ..Disturbed::default() },
+            disturbed: Disturbed {
+                ground_up: vec![ground.map_or(Vec3::y(), |g| g.up)],
+                ..Disturbed::default()
+            },
             energy: room(2),
             wall_s: 0.0,
         };
@@ -459,6 +478,6 @@ impl Recorder {
             _ => {}
         }
         t.root_wrench.extend_from_slice(&wrench);
-        t.contacts.append(&mut self.contacts);
+        t.contacts.extend_from_slice(&self.contacts);
     }
 }

@@ -12,6 +12,9 @@
 //! - Coulomb friction, no contact clustering or recycling: forces are read point by point.
 //! - A pinned root is a kinematic joint whose velocity is set; the inertial force of its
 //!   acceleration, which the engine leaves out, is added to every body.
+//! - Ground that turns is a kinematic body; its velocity at every contact is the solver's. What touches it is as stiff as
+//!   on fixed ground.
+//! - What integration loses of a free body's momentum is given back: [`crate::momentum`].
 
 use dynamics::{Character, ContactSample, Model, MovingBody, State, Wrench};
 use motion::rotation::log;
@@ -23,37 +26,7 @@ use thiserror::Error;
 
 use controllers::{Drive, Rest};
 
-use crate::Engine;
-
-/// The ground: a plane.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Ground {
-    /// Height under the world's origin, m.
-    pub height_m: f64,
-    /// Coulomb friction coefficient.
-    pub friction: f64,
-    /// Direction in which it faces, unit length; +Y when level.
-    pub up: Vec3,
-}
-
-impl Ground {
-    /// A level plane.
-    pub fn level(height_m: f64, friction: f64) -> Self {
-        Self { height_m, friction, up: Vec3::y() }
-    }
-
-    /// The same, tilted: it falls by `tilt` rad towards the horizontal direction `towards` rad about +Y
-    /// (0: +Z, π/2: +X).
-    pub fn tilted(self, tilt: f64, towards: f64) -> Self {
-        let (s, c) = tilt.sin_cos();
-        Self { up: Vec3::new(s * towards.sin(), c, s * towards.cos()), ..self }
-    }
-
-    /// The rotation that takes level ground to this one.
-    pub fn turn(&self) -> Quat {
-        if self.up == Vec3::y() { Quat::identity() } else { motion::rotation::between(&Vec3::y(), &self.up) }
-    }
-}
+use crate::{Engine, Ground};
 
 /// Settings of a world.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -121,7 +94,9 @@ pub struct World {
     /// The world's settings.
     pub settings: WorldSettings,
     pub(crate) handles: Vec<rp::RigidBodyHandle>,
-    any_joint: Option<rp::MultibodyJointHandle>,
+    /// The ground, if it may turn.
+    turning: Option<rp::RigidBodyHandle>,
+    pub(crate) any_joint: Option<rp::MultibodyJointHandle>,
     mb_link: Vec<usize>,
     /// Centre of mass of the root body in its own frame; zero unless the root is free.
     root_shift: Vec3,
@@ -129,8 +104,14 @@ pub struct World {
     stops: Vec<f64>,
     /// Stiffness and way back of the stops that act in the next step.
     stopping: Vec<(f64, Vec3)>,
-    q: Vec<f64>,
-    v: Vec<f64>,
+    /// Kinematics of whatever pose is looked at.
+    pub(crate) state: State,
+    /// Sum of the outside forces of the next step, N.
+    pub(crate) pushed: Vec3,
+    /// Momentum after the step under way, contacts left out, N·s.
+    pub(crate) expected: Vec3,
+    pub(crate) q: Vec<f64>,
+    pub(crate) v: Vec<f64>,
     steps: usize,
 }
 
@@ -168,8 +149,9 @@ impl World {
         p.max_ccd_substeps = 0;
         match settings.contact {
             ContactLaw::Stiff => {
-                p.contact_softness.natural_frequency *= CONTACT_STIFFENING;
                 p.static_contact_softness.natural_frequency *= CONTACT_STIFFENING;
+                // the ground is all there is to touch, whether it turns or not
+                p.contact_softness = p.static_contact_softness;
             }
             ContactLaw::Spring { natural_frequency_hz, damping_ratio } => {
                 let law = rp::SpringCoefficients { natural_frequency: natural_frequency_hz, damping_ratio };
@@ -222,12 +204,22 @@ impl World {
                 physics.insert_collider(collider, Some(handles[owner]));
             }
         }
+        let mut turning = None;
         if let Some(ground) = settings.ground {
-            let plane = rp::ColliderBuilder::halfspace(nalgebra::Unit::new_unchecked(to_glam(ground.up)))
-                .translation(rp::Vector::new(0.0, ground.height_m, 0.0))
-                .friction(ground.friction)
-                .collision_groups(groups(rp::Group::GROUP_2, rp::Group::GROUP_1));
-            physics.insert_collider(plane, None);
+            let plane = |up: Vec3| {
+                rp::ColliderBuilder::halfspace(nalgebra::Unit::new_unchecked(to_glam(up)))
+                    .friction(ground.friction)
+                    .collision_groups(groups(rp::Group::GROUP_2, rp::Group::GROUP_1))
+            };
+            if ground.turns {
+                let place = pose(&ground.place());
+                let body = rp::RigidBodyBuilder::kinematic_position_based().pose(place).can_sleep(false);
+                let body = physics.insert_body(body);
+                physics.insert_collider(plane(Vec3::y()), Some(body));
+                turning = Some(body);
+            } else {
+                physics.insert_collider(plane(ground.up).translation(to_glam(ground.pivot())), None);
+            }
         }
         let mut any_joint = None;
         for (i, b) in model.bodies.iter().enumerate() {
@@ -249,11 +241,15 @@ impl World {
             model,
             settings,
             handles,
+            turning,
             any_joint,
             mb_link: Vec::new(),
             root_shift,
             stops: vec![0.0; bodies],
             stopping: vec![(0.0, Vec3::zeros()); bodies],
+            state,
+            pushed: Vec3::zeros(),
+            expected: Vec3::zeros(),
             q: character.skeleton.zero_pose(),
             v: vec![0.0; character.skeleton.nv()],
             steps: 0,
@@ -520,13 +516,21 @@ impl Engine for World {
         }
     }
 
+    fn turn_ground(&mut self, up: &Vec3) {
+        let (Some(body), Some(ground)) = (self.turning, &mut self.settings.ground) else { return };
+        ground.up = *up;
+        self.physics.bodies[body].set_next_kinematic_position(pose(&ground.place()));
+    }
+
     fn add_wrench(&mut self, w: &Wrench) {
         let body = &mut self.physics.bodies[self.handles[self.model.body_of[w.link].0]];
         body.add_force_at_point(to_glam(w.force), to_glam(w.point), true);
         body.add_torque(to_glam(w.moment), true);
+        self.pushed += w.force;
     }
 
     fn step(&mut self) -> Result<(), WorldError> {
+        self.expect_momentum();
         self.physics.step();
         self.steps += 1;
         for &h in &self.handles {
@@ -535,6 +539,7 @@ impl Engine for World {
             body.reset_torques(true);
         }
         self.read_state();
+        self.give_back_momentum();
         for b in &self.model.bodies {
             let q = &self.q[b.q_at..b.q_at + b.joint.nq()];
             let v = &self.v[b.v_at..b.v_at + b.joint.nv()];

@@ -48,6 +48,7 @@ pub fn follow(c: &Arc<Character>, clip: &Clip, gravity: Vec3, tension: f64, rate
         substeps: Some(1),
         root: RootMode::Free,
         ground: None,
+        tilts: Vec::new(),
         pushes: Vec::new(),
         carried: Vec::new(),
     }
@@ -130,7 +131,15 @@ pub fn perform(c: &Arc<Character>, tracks: &Tracks, root: RootMode, rate_hz: f64
         reactive: Vec::new(),
     };
     let ground = (!pinned).then_some(Ground::level(0.0, 0.8));
-    Pass { setup, substeps: Some(substeps), root, ground, pushes: Vec::new(), carried: Vec::new() }
+    Pass {
+        setup,
+        substeps: Some(substeps),
+        root,
+        ground,
+        tilts: Vec::new(),
+        pushes: Vec::new(),
+        carried: Vec::new(),
+    }
 }
 
 /// A file of the motion-capture data beside the repository.

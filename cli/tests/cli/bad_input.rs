@@ -157,6 +157,16 @@ fn disturbances_that_cannot_be() {
         ("tilt_deg: 45", ["tilt_deg is 45 °", "allowed: 0 to 30"]),
         ("tilt_deg: 5, towards_deg: 999", ["towards_deg is 999 °", "-360 to 360"]),
         ("friction: 0.2", ["`friction`", "duplicate"]),
+        (
+            "tilts: [Tilt(start_s: 0, duration_s: 0.1, tilt_deg: 50)]",
+            ["tilt_deg is 50 °", "allowed: 0 to 30"],
+        ),
+        (
+            "tilts: [Tilt(start_s: 0, duration_s: 0.1), Tilt(start_s: 0.05, duration_s: 1)]",
+            ["begins at 0.05 s", "allowed: from 0.1 s on"],
+        ),
+        ("tilts: [Tilt(start_s: 99, duration_s: 1)]", ["begins at 99 s", "before the motion ends"]),
+        ("tilts: [Tilt(start_s: 0)]", ["duration_s", "scene.ron:"]),
     ] {
         let to = format!("world: (ground: Plane(friction: 0.8, {tilt})), settle_s: 0.2");
         bad_scene("settle_s: 0.2", &to, &words);

@@ -20,23 +20,26 @@
 //! 3. *Hip strategy*: what that cannot catch is left to a moment of the trunk ([`hip`]).
 //! 4. *Force*: `F = (m g (c − p) − L̇)/h` through p. Leg and trunk accelerations, foot loads and torques follow from it.
 //!
+//! Feet that lie flat tell how the ground lies, which may turn: the legs' goals are over the feet as they stand.
+//!
 //! A goal that moves through its own dynamics (a captured clip) comes with a [`Feed`], see [`Balance::follow`]: errors
 //! and their rates are then to the moving goal, the force and the lead of its centre of pressure over its centre of
 //! mass are added, and the feet share the load by the pressures of their corners ([`pressed_wrenches`]), which reach
 //! the corners of the support where an equal offset of both feet leaves one sole too soon.
 //!
-//! In: state, goal pose, feet. Out: drives of the legs, the spine, and the arms where they may swing. No clock and no engine;
-//! its memory is the integral, the moment of the trunk, the feet's loads and how far the answer to pushes is awake. World
-//! frame.
+//! In: state, contacts, goal pose, feet. Out: drives of the legs, the spine, and the arms where they may swing. No clock and
+//! no engine; its memory is the integral, the moment of the trunk, the feet's loads and how far the answer to pushes is
+//! awake. World frame.
 
 mod ankle;
 mod hip;
 mod momentum;
 mod settings;
+mod soles;
 mod wake;
 
 use dynamics::rnea::joint_force;
-use dynamics::{Model, State};
+use dynamics::{ContactSample, Model, State};
 use motion::ik::IkError;
 use motion::plant::{Plant, plant};
 use motion::rotation::log;
@@ -51,6 +54,7 @@ use crate::{Drive, Feed, rest_of};
 use hip::{Hip, Lean};
 use momentum::{Wanted, WholeBody};
 pub use settings::{BalanceSettings, Strategy, StrategyError};
+use soles::Soles;
 use wake::Wake;
 
 /// What a balance step needs to know of one leg's muscles.
@@ -68,6 +72,7 @@ pub struct Balance {
     settings: BalanceSettings,
     feet: Vec<Foot>,
     plants: Vec<Plant>,
+    soles: Soles,
     integral: Vec2,
     feed: Option<Feed>,
     wake: Wake,
@@ -106,6 +111,7 @@ impl Balance {
         let arms: Vec<usize> = limbs.map(|l| model.body_of[l.upper].0).collect();
         Self {
             settings,
+            soles: Soles::new(&feet, &plants),
             integral: Vec2::zeros(),
             feed: None,
             wake: Wake::default(),
@@ -126,6 +132,16 @@ impl Balance {
     /// moves slowly. Errors are then those to the moving goal.
     pub fn follow(&mut self, feed: Option<Feed>) {
         self.feed = feed;
+    }
+
+    /// Takes in how the soles pressed in the last step: where they lie flat, they tell how the ground lies.
+    fn feel(&mut self, model: &Model, q: &[f64], touching: &[ContactSample]) {
+        if touching.is_empty() {
+            return;
+        }
+        self.now.update(model, q, &self.still);
+        self.soles.feel(&self.feet, model, &self.now, touching);
+        self.soles.plants(&mut self.plants);
     }
 
     /// Bodies of the legs it drives: thigh, shin, foot of each foot.
@@ -355,6 +371,7 @@ fn limit(x: Vec2, length: f64) -> Vec2 {
 
 impl Reactive for Balance {
     fn react(&mut self, m: &Moment<'_>, drives: &mut [Drive]) -> Result<(), IkError> {
+        self.feel(m.model, m.q, m.touching);
         let (state, goal) = ((m.q, m.v), (m.goal_q, m.goal_v));
         self.update(m.model, m.set_points, m.muscles, state, goal, m.lift, m.dt, drives)
     }

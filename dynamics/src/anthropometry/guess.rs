@@ -25,7 +25,7 @@ use thiserror::Error;
 
 use super::aliases::{Anatomy, AnatomyError, Role, Side};
 use super::frame::{Neutral, UP};
-use super::limits::joint_limits;
+use super::limits::{NeckShare, joint_limits};
 use super::segments::{Segment, Sex, Table};
 use super::shapes::{self, Sole};
 use crate::character::{Body, Character, CharacterError};
@@ -43,6 +43,8 @@ pub struct BodyOptions {
     pub reference: Option<Vec<f64>>,
     /// Angle between the hanging arms and the vertical in the rest pose, rad; by default 8°.
     pub rest_abduction: Option<f64>,
+    /// How the joints of the neck and the head share the cervical range.
+    pub neck: NeckShare,
 }
 
 /// Why no body could be guessed.
@@ -157,7 +159,7 @@ pub fn guess_body(skeleton: &Skeleton, options: &BodyOptions) -> Result<(Charact
     }
     let table = Table::of(options.sex);
     let neutral = Neutral::new(skeleton, &anatomy, &reference, table)?;
-    let mut builder = Builder::new(skeleton, &anatomy, &neutral, table, options.mass_kg);
+    let mut builder = Builder::new(skeleton, &anatomy, &neutral, table, options);
     builder.segments();
     let (skeleton, contacts) = builder.skeleton()?;
     let rest = builder.rest(&skeleton, options.rest_abduction.unwrap_or(8f64.to_radians()));
@@ -185,6 +187,7 @@ struct Builder<'a> {
     crown: Vec3,
     soles: [Sole; 2],
     bodies: Vec<Body>,
+    neck: NeckShare,
 }
 
 impl<'a> Builder<'a> {
@@ -193,8 +196,9 @@ impl<'a> Builder<'a> {
         anatomy: &'a Anatomy,
         n: &'a Neutral,
         table: &'static Table,
-        mass: Option<f64>,
+        options: &BodyOptions,
     ) -> Self {
+        let mass = options.mass_kg;
         let crown = n.origin[anatomy.head] + n.bone_in_world(anatomy.head);
         let soles = [0, 1].map(|side| Sole::of_foot(s, n, anatomy.legs[side][2]));
         let ground = 0.5 * (soles[0].under_ankle.y + soles[1].under_ankle.y);
@@ -212,6 +216,7 @@ impl<'a> Builder<'a> {
             crown,
             soles,
             bodies: vec![empty; s.links().len()],
+            neck: options.neck,
         }
     }
 
@@ -358,7 +363,7 @@ impl<'a> Builder<'a> {
             if a.roles[i].is_welded() {
                 (link.joint, link.limits) = (Joint::Fixed, None);
             } else {
-                link.limits = joint_limits(self.source, a, n, i);
+                link.limits = joint_limits(self.source, a, n, self.neck, i);
             }
         }
         let mut sites = Vec::new();

@@ -16,6 +16,7 @@
 use motion::{Joint, Link, Skeleton, Vec3};
 
 use super::guess::{BodyOptions, BodyReport, guess_body};
+use super::limits::NeckShare;
 use super::segments::MALE;
 use super::shapes::FLESH_UNDER_FOOT;
 use crate::Character;
@@ -99,7 +100,12 @@ fn skeleton() -> Skeleton {
 
 /// The figure and the report of how it was made.
 pub fn human() -> (Character, BodyReport) {
-    let options = BodyOptions { name: Some("human".into()), mass_kg: Some(MASS), ..BodyOptions::default() };
+    let options = BodyOptions {
+        name: Some("human".into()),
+        mass_kg: Some(MASS),
+        neck: NeckShare::Vertebrae,
+        ..BodyOptions::default()
+    };
     let (mut c, report) = guess_body(&skeleton(), &options).expect("the figure is human-like");
     // Written masses are whole tenths of a gram; the pelvis takes what rounding leaves of 75 kg.
     let mut rest = MASS;

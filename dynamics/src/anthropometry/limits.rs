@@ -7,6 +7,8 @@
 //! marker noise exceed them, so each has an *allowance* which is added at both ends; for the limits
 //! shape what the body is asked to do, and clamping a real motion is worse than allowing a bit much.
 //!
+//! The neck is a column: what its joints share is a choice, [`NeckShare`].
+//!
 //! # Coordinates
 //!
 //! Ranges are stated for the left side as swing about two axes and twist about the bone
@@ -19,6 +21,7 @@
 //! \[BA79\] D. C. Boone, S. P. Azen. Normal range of motion of joints in male subjects. J. Bone Joint
 //! Surg. 61-A, 756–759, 1979.
 //! \[AAOS\] American Academy of Orthopaedic Surgeons. Joint motion: method of measuring and recording. 1965.
+//! \[WP90\] A. A. White, M. M. Panjabi. Clinical biomechanics of the spine. 2nd ed., Lippincott, 1990.
 //! \[Inm44\] V. T. Inman, J. B. Saunders, L. C. Abbott. Observations on the function of the shoulder
 //! joint. J. Bone Joint Surg. 26, 1–30, 1944.
 
@@ -29,6 +32,22 @@ use motion::{BallLimits, Joint, Limits, Quat, Range, Skeleton, Vec3};
 
 use super::aliases::{Anatomy, Role, Side};
 use super::frame::{Neutral, UP};
+
+/// How the joints of the neck and the head share the cervical range.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum NeckShare {
+    /// As rigs use them: one joint may do most of the work, or bend against the next, so each gets more than its part.
+    #[default]
+    Rig,
+    /// As the vertebrae do, the head's joint at the base of the skull (C0 to C2), the neck's joints below it (C2 to T1):
+    /// together they turn as far as a neck.
+    Vertebrae,
+}
+
+/// Part of the cervical range that C0 to C2 have: bending forward and back, to the side, turning. Of the representative
+/// ranges of \[WP90\] from the skull down to T1, degrees: 25 20 · 10 15 20 20 17 9; 5 5 · 10 11 11 8 7 4;
+/// 5 40 · 3 7 7 7 6 2.
+pub const SKULL_SHARE: [f64; 3] = [45.0 / 136.0, 10.0 / 61.0, 45.0 / 77.0];
 
 /// Range of one coordinate, degrees, left side: published ends and what is added to each.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -44,11 +63,26 @@ const fn rom(lo: f64, hi: f64, allowance: f64) -> Rom {
 }
 
 impl Rom {
-    fn widened(self, n: f64) -> [f64; 2] {
-        // A column of n joints shares its range, but not evenly: rigs let one joint do most of the work
-        // (CMU's lower back bends 67° in 127_31) or bend against the next (its two neck joints).
-        let share = if n > 1.0 { (1.25 / n).max(0.7) } else { 1.0 };
+    fn widened(self, share: f64) -> [f64; 2] {
         [(self.published[0] - self.allowance) * share, (self.published[1] + self.allowance) * share]
+    }
+}
+
+/// Part of a column's range that each of its `n` joints gets in a rig. Not an even one: rigs let one joint do most of the
+/// work (CMU's lower back bends 67° in 127_31) or bend against the next (its two neck joints).
+fn rig_share(n: usize) -> f64 {
+    if n > 1 { (1.25 / n as f64).max(0.7) } else { 1.0 }
+}
+
+/// Parts of the range of its kind that a joint gets.
+fn part(anatomy: &Anatomy, role: Role, neck: NeckShare) -> [f64; 3] {
+    let joints = anatomy.neck.len();
+    match (role, neck) {
+        (Role::Spine, _) => [rig_share(anatomy.spine.len()); 3],
+        (Role::Neck | Role::Head, NeckShare::Rig) => [rig_share(joints + 1); 3],
+        (Role::Neck, NeckShare::Vertebrae) => SKULL_SHARE.map(|skull| (1.0 - skull) / joints as f64),
+        (Role::Head, NeckShare::Vertebrae) if joints > 0 => SKULL_SHARE,
+        _ => [1.0; 3],
     }
 }
 
@@ -152,11 +186,12 @@ pub fn joint_limits(
     skeleton: &Skeleton,
     anatomy: &Anatomy,
     neutral: &Neutral,
+    neck: NeckShare,
     link: usize,
 ) -> Option<Limits> {
     let role = anatomy.roles[link];
     match skeleton.links()[link].joint {
-        Joint::Spherical => Some(Limits::Ball(ball_limits(skeleton, anatomy, neutral, link)?)),
+        Joint::Spherical => Some(Limits::Ball(ball_limits(skeleton, anatomy, neutral, neck, link)?)),
         Joint::Revolute(axis) => {
             let bends = match role {
                 Role::Forearm(_) => -neutral.left,
@@ -192,17 +227,19 @@ fn neutral_angle(skeleton: &Skeleton, neutral: &Neutral, link: usize, axis: &Vec
     log(&neutral_rotation(skeleton, neutral, link)).dot(axis)
 }
 
-fn ball_limits(skeleton: &Skeleton, anatomy: &Anatomy, neutral: &Neutral, link: usize) -> Option<BallLimits> {
+fn ball_limits(
+    skeleton: &Skeleton,
+    anatomy: &Anatomy,
+    neutral: &Neutral,
+    neck: NeckShare,
+    link: usize,
+) -> Option<BallLimits> {
     let role = anatomy.roles[link];
     let kind = ball(role)?;
     let mirror = role.side() == Some(Side::Right);
-    let shared = match role {
-        Role::Spine => anatomy.spine.len() as f64,
-        Role::Neck | Role::Head => anatomy.neck.len() as f64 + 1.0,
-        _ => 1.0,
-    };
+    let part = part(anatomy, role, neck);
     let mut ranges: [[f64; 2]; 3] = std::array::from_fn(|k| {
-        let r = kind.ranges[k].widened(shared).map(f64::to_radians);
+        let r = kind.ranges[k].widened(part[k]).map(f64::to_radians);
         let flips = mirror && (k == 2 || kind.axes[k] != Axis::Left);
         if flips { [-r[1], -r[0]] } else { r }
     });
@@ -342,8 +379,9 @@ mod tests {
             ("shoulder_l", x, 68.8, 150.0),   // internal rotation
             ("shoulder_l", -x, 103.7, 170.0), // external rotation
             ("wrist_l", -z, 76.4, 120.0),     // flexion
-            ("head", y, 59.0, 100.0),         // turning
-            ("chest", x, 60.0, 100.0),        // bending forward
+            ("head", y, 49.0, 60.0),          // turning: 45 of 77 parts of 85
+            ("neck", y, 35.0, 45.0),
+            ("chest", x, 60.0, 100.0), // bending forward
         ] {
             let i = c.skeleton.link(joint).unwrap();
             let Some(Limits::Ball(b)) = c.skeleton.links()[i].limits else { panic!("{joint}") };
@@ -354,6 +392,30 @@ mod tests {
             assert!(passes(allowed), "{joint} {axis:?} {allowed}");
             assert!(!passes(forbidden), "{joint} {axis:?} {forbidden}");
         }
+    }
+
+    /// Neck and head of the figure turn as far as a neck, not twice as far: their ranges add up to the published one with
+    /// its allowance. A rig's joints get more.
+    #[test]
+    fn neck_and_head_share_one_range() {
+        let (c, _) = human();
+        let of = |name: &str| match c.skeleton.links()[c.skeleton.link(name).unwrap()].limits {
+            Some(Limits::Ball(b)) => b.ranges.map(|r| [r.lo.to_degrees(), r.hi.to_degrees()]),
+            _ => panic!("{name}"),
+        };
+        let (neck, head) = (of("neck"), of("head"));
+        println!("neck {neck:.1?}, head {head:.1?}");
+        for (k, whole) in [80.0, 65.0, 85.0].into_iter().enumerate() {
+            for (side, sign) in [(0, -1.0), (1, 1.0)] {
+                let both = neck[k][side] + head[k][side];
+                assert!((both - sign * whole).abs() < 1e-9, "{k}: {both}");
+            }
+        }
+        assert!(
+            head[2][1] > neck[2][1] && head[1][1] < neck[1][1],
+            "turning is the skull's, bending the neck's"
+        );
+        assert!(2.0 * rig_share(2) > 1.0);
     }
 
     /// About another zero, every rotation the limits allow is still allowed.

@@ -28,5 +28,6 @@ pub mod standing;
 
 pub use aliases::{Anatomy, AnatomyError, Role, Side};
 pub use guess::{BodyOptions, BodyReport, GuessError, guess_body};
+pub use limits::NeckShare;
 pub use segments::Sex;
 pub use standing::{guess_body_of_clip, standing_frame};

@@ -172,11 +172,15 @@ fn disturbed<R: Read + Seek>(
 ) -> Result<Disturbed, TraceFileError> {
     let mut out = Disturbed::default();
     if npz.has("ground_up") {
-        out.ground_up = npz.vectors("ground_up", &[3])?[0];
-        let length = out.ground_up.norm();
-        if (length - 1.0).abs() > 1e-9 || out.ground_up.y <= 0.0 || !length.is_finite() {
-            let found = format!("{:?}", out.ground_up.as_slice());
-            return Err(value("ground_up", 0, found, "a direction of length 1 that points up"));
+        let once = npz.array("ground_up")?.0.len() == 1;
+        let shape: &[usize] = if once { &[3] } else { &[rows, 3] };
+        out.ground_up = npz.vectors("ground_up", shape)?;
+        for (row, up) in out.ground_up.iter().enumerate() {
+            let length = up.norm();
+            if (length - 1.0).abs() > 1e-9 || up.y <= 0.0 || !length.is_finite() {
+                let found = format!("{:?}", up.as_slice());
+                return Err(value("ground_up", row, found, "a direction of length 1 that points up"));
+            }
         }
     }
     if npz.has("disturbed_wrench") {

@@ -139,7 +139,7 @@ impl Trace {
         npz.text("dof_name", &[nv as u64], &names.iter().map(String::as_str).collect::<Vec<_>>())?;
         let d = &self.disturbed;
         let written = |name: &str| match name {
-            "ground_up" => d.ground_up != Vec3::y(),
+            "ground_up" => tilted(d),
             "disturbed_wrench" => !d.wrench.is_empty(),
             _ => !name.starts_with("carried_") || !d.carried.is_empty(),
         };
@@ -166,10 +166,18 @@ impl Trace {
     }
 }
 
+fn tilted(d: &Disturbed) -> bool {
+    d.ground_up.iter().any(|up| *up != Vec3::y())
+}
+
 /// Only what there is: an undisturbed run has none of these arrays.
 fn write_disturbed<W: Write + Seek>(npz: &mut Arrays<W>, d: &Disturbed) -> io::Result<()> {
-    if d.ground_up != Vec3::y() {
-        npz.numbers("ground_up", &[3], d.ground_up.as_slice())?;
+    if tilted(d) {
+        let up: Vec<f64> = d.ground_up.iter().flat_map(|u| [u.x, u.y, u.z]).collect();
+        match d.ground_up.len() {
+            1 => npz.numbers("ground_up", &[3], &up)?,
+            _ => npz.table("ground_up", 3, &up)?,
+        }
     }
     if !d.wrench.is_empty() {
         npz.table("disturbed_wrench", 6, &d.wrench)?;

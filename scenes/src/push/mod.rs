@@ -64,7 +64,9 @@ impl Default for PushSettings {
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum PushError {
     /// A body that something else than its feet holds.
-    #[error("{scene}: {what}; a push map needs a free root, ground, gravity downwards, and planted feet")]
+    #[error(
+        "{scene}: {what}; a push map needs a free root, ground that stays, gravity downwards, and planted feet"
+    )]
     Held {
         /// The scene.
         scene: String,
@@ -251,6 +253,9 @@ where
             RootMode::Assisted { .. } => return Err(held("its root is assisted")),
         }
         let floor = physics.ground.ok_or_else(|| held("it has no ground"))?.height_m;
+        if !stage.tilts.is_empty() {
+            return Err(held("its ground tilts"));
+        }
         let g = -physics.gravity.y;
         if g <= 0.0 || physics.gravity.xz().norm() > 1e-9 * g {
             return Err(held("its gravity does not point down"));

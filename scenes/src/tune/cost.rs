@@ -102,6 +102,9 @@ impl Cost {
             return Err(held("its root is held"));
         }
         let floor = physics.ground.ok_or_else(|| held("it has no ground"))?.height_m;
+        if !stage.tilts.is_empty() {
+            return Err(held("its ground tilts"));
+        }
         let g = -physics.gravity.y;
         if g <= 0.0 || physics.gravity.xz().norm() > 1e-9 * g {
             return Err(held("its gravity does not point down"));

@@ -42,7 +42,9 @@ use crate::Stage;
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum TuneError {
     /// A body that something else than its feet holds.
-    #[error("{scene}: {what}; tuning needs a free root, ground, gravity downwards, and planted feet")]
+    #[error(
+        "{scene}: {what}; tuning needs a free root, ground that stays, gravity downwards, and planted feet"
+    )]
     Held {
         /// The scene.
         scene: String,
