@@ -6,7 +6,9 @@ use std::path::{Path, PathBuf};
 use motion::Clip;
 use motion::format::{self, bvh, glb};
 use scenes::retarget::{Options, Retargeted};
-use scenes::retargeting::{self, Actor, Performance, RetargetReport, RetargetingError, Session, compare};
+use scenes::retargeting::{
+    self, Actor, Performance, RetargetReport, RetargetingError, Session, compare, study,
+};
 
 use crate::args::RetargetArgs;
 use crate::failure::Failure;
@@ -59,6 +61,10 @@ pub fn run(args: &RetargetArgs) -> Result<(), Failure> {
     if args.compare {
         progress.part("comparing");
         report.models = compare::compare(&session, &options).map_err(failure)?;
+    }
+    if args.study {
+        progress.part("studying");
+        report.study = Some(study::study(&session, &done.human).map_err(failure)?);
     }
 
     progress.part("writing");
@@ -226,6 +232,9 @@ fn write(out: &mut String, r: &RetargetReport, dir: &Path) -> std::fmt::Result {
             line(out, "", text)?;
         }
     }
+    if let Some(s) = &r.study {
+        write_study(out, s)?;
+    }
     let mut files: Vec<&String> = r.files.values().filter(|f| !f.starts_with(output::PLOTS)).collect();
     let plots = format!("{}/", output::PLOTS);
     if r.files.values().any(|f| f.starts_with(output::PLOTS)) {
@@ -233,6 +242,57 @@ fn write(out: &mut String, r: &RetargetReport, dir: &Path) -> std::fmt::Result {
     }
     for (i, name) in files.iter().enumerate() {
         line(out, if i == 0 { "files" } else { "" }, dir.join(name).display().to_string())?;
+    }
+    Ok(())
+}
+
+fn write_study(out: &mut String, s: &study::Study) -> std::fmt::Result {
+    let a = &s.agreement;
+    let text = format!(
+        "rank correlation of distances {:.2}; the nearest human's pose is {:.1}° off, the nearest of all {:.1}°",
+        a.rank_correlation, a.of_nearest_human_deg, a.of_nearest_character_deg
+    );
+    line(out, "agreement", text)?;
+    line(
+        out,
+        "dimensions",
+        "error at key poses: learned, left out; jerk of the latent path (searched as in the paper)",
+    )?;
+    for d in &s.dimensions {
+        let text = format!(
+            "  {:<4} {:>5.1}°  {:>5.1}°   {:>5.0} /s³   (searched {:>5.1}°, {:>6.0} /s³, {} jumps)",
+            d.dimensions,
+            d.learned_deg,
+            d.left_out_deg,
+            d.jerk_s3,
+            d.search_learned_deg,
+            d.search_jerk_s3,
+            d.search_jumps
+        );
+        line(out, "", text)?;
+    }
+    if let Some(d) = &s.dropped {
+        let errors: Vec<String> = d.error_deg.iter().map(|(m, e)| format!("{m} {e:.1}°")).collect();
+        let text = format!(
+            "without its {} key poses ({} left) the motion differs by {:.1}° of {:.1}°; error at them: {}",
+            d.key_poses,
+            d.left,
+            d.from_full_deg,
+            d.extent_deg,
+            errors.join(", ")
+        );
+        line(out, "dropped", text)?;
+    }
+    if let Some(g) = &s.suggestions {
+        let text = format!(
+            "five suggested poses lower {:.1}° by {:.1}°, five random ones by {:.1}° (elsewhere {:.1}°, {:.1}°)",
+            g.before_deg,
+            g.suggested_gain_deg,
+            g.random_gain_deg,
+            g.suggested_gain_elsewhere_deg,
+            g.random_gain_elsewhere_deg
+        );
+        line(out, "suggesting", text)?;
     }
     Ok(())
 }

@@ -90,6 +90,10 @@ pub struct RetargetArgs {
     /// Run all five models and table their errors at the key poses
     #[arg(long)]
     pub compare: bool,
+    /// Measure the key poses: do like poses agree, how many latent dimensions, this motion without its own key
+    /// poses, suggested against random key poses
+    #[arg(long)]
+    pub study: bool,
     /// Print first guesses for key poses at these moments, s, as lines for a file of key poses, and do nothing else
     #[arg(long, value_name = "S", value_delimiter = ',', allow_negative_numbers = true)]
     pub guess: Vec<f64>,
@@ -118,6 +122,7 @@ Examples:
   contrapposto retarget scenes/performances/fear.ron --to scenes/characters/squirrel.ron --model nn3 --stop-after map
   contrapposto retarget walk.bvh --to scenes/characters/lamp.ron --suggest-keyposes 5
   contrapposto retarget scenes/performances/fear.ron --to scenes/characters/lamp.ron --guess 1.5,7
+  contrapposto retarget scenes/performances/happiness.ron --to scenes/characters/lamp.ron --stop-after map --compare --study
 
 Files written into DIR:
   retargeted.bvh      the motion on the character

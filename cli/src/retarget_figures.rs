@@ -2,17 +2,27 @@
 
 use plots::panel::Clock;
 use plots::{
-    Confidence, Figure, LatentPath, PosePair, StageColumn, Table, confidence_strip, force_match,
-    momentum_match, stage_strip,
+    Confidence, Criteria, Figure, LatentPath, PosePair, StageColumn, Table, confidence_strip,
+    dimension_criteria, force_match, momentum_match, stage_strip,
 };
-use scenes::retarget::{Retargeted, Stage};
+use scenes::retarget::{GplvmOptions, Retargeted, Stage};
 use scenes::retargeting::compare::{self, ModelRow};
+use scenes::retargeting::study::{Dropped, Study};
 use scenes::retargeting::{RetargetReport, Session};
 
 use crate::failure::Failure;
 
 /// Names of all figures a run may get.
-pub const STEMS: &[&str] = &["strip_stages", "confidence", "momentum", "ground_force", "models", "latent"];
+pub const STEMS: &[&str] = &[
+    "strip_stages",
+    "confidence",
+    "momentum",
+    "ground_force",
+    "models",
+    "dimensions",
+    "strip_dropped",
+    "latent",
+];
 /// Gravity of the contact model, m/s².
 const GRAVITY: f64 = 9.81;
 /// Moments in the film strip.
@@ -50,6 +60,12 @@ pub fn draw(
     if !report.models.is_empty() {
         save("models", &models(report, &note), 0.6)?;
     }
+    if let Some(study) = &report.study {
+        save("dimensions", &dimensions(study, &note), 0.7)?;
+        if let Some(dropped) = &study.dropped {
+            save("strip_dropped", &strip_dropped(session, done, dropped, &note), 0.8)?;
+        }
+    }
     if report.model == "gplvm" {
         save("latent", &latent(session, done, &note)?, 1.0)?;
     }
@@ -58,7 +74,8 @@ pub fn draw(
 
 /// The path of the motion through latent spaces of several dimensions.
 fn latent(session: &Session, done: &Retargeted, note: &str) -> Result<Figure, Failure> {
-    let paths = compare::latent_paths(session, &done.human, &DIMENSIONS).map_err(Failure::input)?;
+    let gplvm = GplvmOptions::default();
+    let paths = compare::latent_paths(session, &done.human, &gplvm, &DIMENSIONS).map_err(Failure::input)?;
     let plane = |x: &Vec<f64>| [x[0], x.get(1).copied().unwrap_or(0.0)];
     let own = |i: usize| session.key_poses.moments[i].0 == session.performance.name;
     let panels: Vec<LatentPath> = (paths.iter())
@@ -72,6 +89,39 @@ fn latent(session: &Session, done: &Retargeted, note: &str) -> Result<Figure, Fa
         })
         .collect();
     Ok(plots::latent_paths(&panels, note))
+}
+
+/// The two criteria for the latent dimension.
+fn dimensions(study: &Study, note: &str) -> Figure {
+    let rows: Vec<Criteria> = (study.dimensions.iter())
+        .map(|d| Criteria {
+            dimensions: d.dimensions,
+            learned_deg: d.learned_deg,
+            left_out_deg: d.left_out_deg,
+            jerk_s3: d.jerk_s3,
+            search_learned_deg: d.search_learned_deg,
+            search_jerk_s3: d.search_jerk_s3,
+        })
+        .collect();
+    dimension_criteria(&rows, note)
+}
+
+/// The motion mapped with all key poses and without its own.
+fn strip_dropped(session: &Session, done: &Retargeted, dropped: &Dropped, note: &str) -> Figure {
+    let puppet = &session.actor.puppet.character;
+    let colors = &session.actor.file.colors;
+    let [full, without] = &dropped.clips;
+    let columns = [
+        StageColumn {
+            label: "human",
+            clip: &done.human,
+            character: &session.performance.performer.character,
+            colors: &[],
+        },
+        StageColumn { label: "all key poses", clip: full, character: puppet, colors },
+        StageColumn { label: "without its own", clip: without, character: puppet, colors },
+    ];
+    stage_strip(&columns, &moments(session, done), session.performance.strip.yaw_deg.unwrap_or(25.0), note)
 }
 
 /// A number of a model, if it has it.
@@ -161,10 +211,12 @@ fn strip(session: &Session, done: &Retargeted, note: &str) -> Figure {
         };
         columns.push(StageColumn { label, clip, character: puppet, colors: &session.actor.file.colors });
     }
+    stage_strip(&columns, &moments(session, done), session.performance.strip.yaw_deg.unwrap_or(25.0), note)
+}
+
+/// Moments of a film strip (s), inside the motion: its very ends are rest.
+fn moments(session: &Session, done: &Retargeted) -> Vec<f64> {
     let strip = &session.performance.strip;
     let (from, to) = (strip.from_s, strip.to_s.unwrap_or(done.clip.duration_s()));
-    // inside the motion: its very ends are rest
-    let times: Vec<f64> =
-        (0..MOMENTS).map(|i| from + (to - from) * (i as f64 + 0.6) / (MOMENTS as f64 + 0.2)).collect();
-    stage_strip(&columns, &times, strip.yaw_deg.unwrap_or(25.0), note)
+    (0..MOMENTS).map(|i| from + (to - from) * (i as f64 + 0.6) / (MOMENTS as f64 + 0.2)).collect()
 }

@@ -20,6 +20,7 @@
 //! | [`derivatives`] | slopes of inverse dynamics by pose, velocity and acceleration |
 //! | [`forward`] | accelerations from forces |
 //! | [`inertia`] | composites, momentum and its rate, energy, gravity stiffness |
+//! | [`jacobian`] | how a point of a body moves with the joints |
 //! | [`ground_forces`] | ground forces required, given and measured, per foot |
 //! | [`penalty`] | the force of the ground on a point, from its height and slip |
 //! | [`rnea`] | inverse dynamics with outside wrenches |

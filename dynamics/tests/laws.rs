@@ -368,6 +368,51 @@ fn momentum_rate_is_the_slope_of_the_momentum() {
     }
 }
 
+/// J v is the velocity of a point and J v̇ + J̇ v its acceleration, the slope of that velocity.
+#[test]
+fn points_move_by_their_jacobian() {
+    let dt = 1e-5;
+    for c in all_cases() {
+        let body = c.model.bodies.len() - 1;
+        let link = c.model.bodies[body].link;
+        let at = |h: f64| {
+            let mut q = c.q.clone();
+            let mid: Vec<f64> = c.v.iter().zip(&c.vd).map(|(v, a)| v + 0.5 * a * h).collect();
+            c.model.skeleton.integrate(&mut q, &mid, h);
+            let v: Vec<f64> = c.v.iter().zip(&c.vd).map(|(v, a)| v + a * h).collect();
+            let mut state = State::new(&c.model);
+            state.update(&c.model, &q, &v);
+            (state.point_velocity(&c.model, link, &Vec3::zeros()), state.bodies[body].omega)
+        };
+        let mut state = State::new(&c.model);
+        state.update(&c.model, &c.q, &c.v);
+        let point = state.bodies[body].origin();
+        let moved = |x: &[f64]| {
+            let (mut linear, mut angular) = (Vec3::zeros(), Vec3::zeros());
+            state.jacobian(&c.model, body, &point, |dof, l, a| {
+                linear += l * x[dof];
+                angular += a * x[dof];
+            });
+            (linear, angular)
+        };
+        let (velocity, omega) = moved(&c.v);
+        let now = at(0.0);
+        assert!((velocity - now.0).norm() < 1e-12 * now.0.norm().max(1.0)); // 1e-14 seen
+        assert!((omega - now.1).norm() < 1e-12 * now.1.norm().max(1.0));
+        let (mut accel, mut alpha) = moved(&c.vd);
+        state.drifts(&c.model, &c.v, |b, linear, angular| {
+            if b == body {
+                accel += linear;
+                alpha += angular;
+            }
+        });
+        let (a, b) = (at(-dt), at(dt));
+        let slope = ((b.0 - a.0) / (2.0 * dt), (b.1 - a.1) / (2.0 * dt));
+        assert!((accel - slope.0).norm() < 1e-6 * slope.0.norm().max(10.0), "{accel} {}", slope.0);
+        assert!((alpha - slope.1).norm() < 1e-6 * slope.1.norm().max(10.0), "{alpha} {}", slope.1);
+    }
+}
+
 /// An outside wrench enters as −Jᵀ w, and Jᵀ w does the wrench's work on any velocity.
 #[test]
 fn wrenches_enter_through_the_jacobian() {

@@ -8,7 +8,8 @@
 mod performance;
 
 use learn::{
-    GplvmOptions, Method, Model, Pairs, SharedGplvm, Start, key_pose_error, map_frames, path_shape, rms_error,
+    GplvmOptions, Locate, Method, Model, Pairs, SharedGplvm, Start, key_pose_error, map_frames, path_shape,
+    rms_error,
 };
 use performance::{farthest, performance};
 
@@ -55,8 +56,10 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     for iterations in [35, 70, 150, 300] {
         row(GplvmOptions { iterations, start: Start::Pca, ..GplvmOptions::default() })?;
     }
-    println!("Without the prior in mapping:");
-    row(GplvmOptions { prior_in_mapping: false, ..GplvmOptions::default() })?;
+    println!("Latent points by posterior, by likelihood:");
+    for locate in [Locate::Posterior, Locate::Likelihood] {
+        row(GplvmOptions { locate, ..GplvmOptions::default() })?;
+    }
     for method in Method::ALL {
         let model = Model::fit(method, &pairs, &GplvmOptions::default())?;
         println!("{method}: {:.2}° unseen", rms_error(&model, &unseen, &truth)?.to_degrees());

@@ -10,7 +10,7 @@ use crate::kernel::Kernel;
 use crate::likelihood::{median_squared, squared_distances};
 use crate::pairs::{Coverage, Space};
 use crate::posterior::Posterior;
-use crate::regressor::{Doubt, Scratch};
+use crate::regressor::{Doubt, Part, Scratch};
 
 /// Inputs with a kernel over them.
 #[derive(Clone, Debug, PartialEq)]
@@ -64,6 +64,7 @@ impl Cover {
             known.extend_from_slice(&scratch.w);
         }
         let kernel = self.posterior.kernel;
-        Ok(Doubt { kernel, points, known, unseen: Vec::new(), frames: frames.nrows() })
+        let part = Part { weight: 1.0, kernel, own: None, points, known };
+        Ok(Doubt { noise: kernel.noise(), parts: vec![part], unseen: Vec::new(), frames: frames.nrows() })
     }
 }

@@ -58,7 +58,7 @@ impl TryFrom<Stored> for GpRegression {
     }
 }
 
-/// −ln P(Z | Y, Φ) over the parameters of the kernel.
+/// −ln P(outputs | inputs, Φ) over the parameters of the kernel.
 pub(crate) struct Evidence {
     view: View,
     r2: Vec<f64>,
@@ -71,6 +71,11 @@ impl Evidence {
         let mut r2 = vec![0.0; n * n];
         squared_distances(input.points.as_slice(), d, &mut r2);
         Evidence { view: View::new(&output.points), r2, work: Work::new(n) }
+    }
+
+    /// Between the inputs, lower triangle of row-major N × N.
+    pub fn squared_distances(&self) -> &[f64] {
+        &self.r2
     }
 }
 

@@ -61,7 +61,7 @@ pub mod validate;
 
 pub use error::{FitError, InputError};
 pub use gp::GpRegression;
-pub use gplvm::{GplvmOptions, Learning, SharedGplvm, Start};
+pub use gplvm::{GplvmOptions, Learning, Locate, SharedGplvm, Start};
 pub use kcca::KernelCca;
 pub use kernel::Kernel;
 pub use model::{Method, Model, UnknownMethod};

@@ -18,8 +18,8 @@ use crate::kernel::{Kernel, PARAMETERS};
 #[derive(Clone, Debug)]
 pub(crate) struct View {
     n: usize,
-    /// D.
-    dim: usize,
+    /// D, times the weight.
+    dim: f64,
     /// Columns of C.
     rank: usize,
     /// C, row-major N × rank.
@@ -50,6 +50,11 @@ impl Work {
 impl View {
     /// Of centred observations, one a column (D × N).
     pub fn new(points: &DMatrix<f64>) -> Self {
+        View::weighted(points, 1.0)
+    }
+
+    /// The same, counted `weight` times: L is linear in D and Y Yᵀ.
+    pub fn weighted(points: &DMatrix<f64>, weight: f64) -> Self {
         let (dim, n) = points.shape();
         // Y Yᵀ = Rᵀ R of the QR decomposition of Yᵀ; Rᵀ is C.
         let r = points.clone().qr().r();
@@ -57,10 +62,10 @@ impl View {
         let mut c = vec![0.0; n * rank];
         for i in 0..n {
             for k in 0..rank.min(i + 1) {
-                c[i * rank + k] = r[(k, i)];
+                c[i * rank + k] = weight.sqrt() * r[(k, i)];
             }
         }
-        View { n, dim, rank, c }
+        View { n, dim: weight * dim as f64, rank, c }
     }
 
     /// Returns L and its derivatives by (θ1, θ2, θ3, β⁻¹) for squared distances `r2` (lower triangle, row-major
@@ -75,7 +80,7 @@ impl View {
         by_r2: Option<&mut [f64]>,
         work: &mut Work,
     ) -> Result<(f64, [f64; PARAMETERS]), FitError> {
-        let (n, d) = (self.n, self.dim as f64);
+        let (n, d) = (self.n, self.dim);
         let Work { e, l, l_inverse, w, m, t, g } = work;
         let diagonal = kernel.at_zero();
         for i in 0..n {

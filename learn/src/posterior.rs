@@ -31,6 +31,11 @@ impl Posterior {
             }
             l[i * n + i] = kernel.at_zero();
         }
+        Posterior::of_covariance(kernel, l, n, y)
+    }
+
+    /// Of points with covariance `l` (lower triangle of row-major N × N), whatever it is made of.
+    pub fn of_covariance(kernel: Kernel, mut l: Vec<f64>, n: usize, y: &[f64]) -> Result<Self, FitError> {
         if !cholesky(&mut l, n) {
             return Err(not_definite(&kernel));
         }

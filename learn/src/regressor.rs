@@ -116,19 +116,31 @@ impl Scratch {
 
 /// Covariance of a model's errors between frames, in units of the variance of the key outputs.
 ///
-/// cov(f, g) = θ1 exp(−θ2/2 |p_f − p_g|²) + θ3 − w_f·w_g + r_f·r_g, with p the frames as the kernel sees
-/// them, w = L⁻¹k(p) what the pairs tell about them, r what the model cannot see of an input at all: the
-/// part of it that no latent point explains.
+/// cov(f, g) = Σ weight (k(p_f, p_g) − w_f·w_g) + r_f·r_g over the Gaussian processes that stand between input and
+/// output, with p the frames as the kernel sees them, w = L⁻¹k(p) what the pairs tell about them, r what the
+/// model cannot see of an input at all: the part of it that no latent point explains.
 #[derive(Clone, Debug)]
 pub struct Doubt {
-    pub(crate) kernel: Kernel,
-    /// F × p, row-major.
-    pub(crate) points: Vec<f64>,
-    /// F × N.
-    pub(crate) known: Vec<f64>,
+    pub(crate) parts: Vec<Part>,
     /// F × r.
     pub(crate) unseen: Vec<f64>,
+    /// Variance of an output that no model could know.
+    pub(crate) noise: f64,
     pub(crate) frames: usize,
+}
+
+/// What one Gaussian process does not know.
+#[derive(Clone, Debug)]
+pub(crate) struct Part {
+    /// Variance of the output for a unit of its variance.
+    pub weight: f64,
+    pub kernel: Kernel,
+    /// 1/ℓ² of the noise, where it is a part that fades (`gplvm::back`).
+    pub own: Option<f64>,
+    /// F × p, row-major.
+    pub points: Vec<f64>,
+    /// F × N.
+    pub known: Vec<f64>,
 }
 
 impl Doubt {
@@ -139,15 +151,23 @@ impl Doubt {
 
     /// cov(f, g).
     pub fn covariance(&self, f: usize, g: usize) -> f64 {
-        let row = |v: &'_ [f64], i: usize| -> std::ops::Range<usize> {
+        let rows = |v: &'_ [f64]| -> [std::ops::Range<usize>; 2] {
             let w = v.len() / self.frames;
-            i * w..(i + 1) * w
+            [f, g].map(|i| i * w..(i + 1) * w)
         };
-        let (p, q) = (&self.points[row(&self.points, f)], &self.points[row(&self.points, g)]);
-        let (a, b) = (&self.known[row(&self.known, f)], &self.known[row(&self.known, g)]);
-        let (r, s) = (&self.unseen[row(&self.unseen, f)], &self.unseen[row(&self.unseen, g)]);
-        let k = self.kernel.theta1 * (-0.5 * self.kernel.theta2 * crate::dense::distance_squared(p, q)).exp()
-            + self.kernel.theta3;
-        k - dot(a, b) + dot(r, s)
+        let mut sum = 0.0;
+        for part in &self.parts {
+            let [a, b] = rows(&part.points);
+            let r2 = crate::dense::distance_squared(&part.points[a], &part.points[b]);
+            let kernel = &part.kernel;
+            let k = match part.own {
+                Some(own) => crate::gplvm::back::covariance(kernel, own, r2),
+                None => kernel.theta1 * (-0.5 * kernel.theta2 * r2).exp() + kernel.theta3,
+            };
+            let [a, b] = rows(&part.known);
+            sum += part.weight * (k - dot(&part.known[a], &part.known[b]));
+        }
+        let [a, b] = rows(&self.unseen);
+        sum + dot(&self.unseen[a], &self.unseen[b])
     }
 }

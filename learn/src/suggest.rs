@@ -73,7 +73,7 @@ impl Greedy {
     }
 
     fn know(&mut self, g: usize) {
-        let scale = 1.0 / (self.variance[g].max(0.0) + self.doubt.kernel.noise()).sqrt();
+        let scale = 1.0 / (self.variance[g].max(0.0) + self.doubt.noise).sqrt();
         let column: Vec<f64> = (0..self.variance.len()).map(|f| scale * self.covariance(f, g)).collect();
         self.variance.iter_mut().zip(&column).for_each(|(v, c)| *v -= c * c);
         self.columns.push(column);

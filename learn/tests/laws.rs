@@ -6,8 +6,8 @@ mod common {
 
 use common::data::{curved, curved_pairs, path, uniform};
 use learn::{
-    GplvmOptions, Mapper, Method, Model, Pairs, PcaLinear, Prediction, Regressor, Scratch, SharedGplvm,
-    key_pose_error, leave_out, map_frames, path_shape, rms_error, suggest,
+    GplvmOptions, Locate, Mapper, Method, Model, Pairs, PcaLinear, Prediction, Regressor, Scratch,
+    SharedGplvm, key_pose_error, leave_out, map_frames, path_shape, rms_error, suggest,
 };
 use nalgebra::DMatrix;
 
@@ -182,7 +182,8 @@ fn neighbours_do_not_overshoot() {
 /// a fresh one's.
 #[test]
 fn a_sequence_gives_what_single_frames_give() {
-    let model = SharedGplvm::fit(&curved_pairs(), &GplvmOptions::default()).unwrap();
+    let options = GplvmOptions { locate: Locate::Posterior, ..GplvmOptions::default() };
+    let model = SharedGplvm::fit(&curved_pairs(), &options).unwrap();
     let frames = curved(&path(200)).0;
     let mapped = map_frames(&model, &frames).unwrap();
     let shape = path_shape(mapped.latents.as_ref().unwrap(), 30.0).unwrap();
@@ -203,9 +204,8 @@ fn a_sequence_gives_what_single_frames_give() {
 /// basin.
 #[test]
 fn a_leap_does_not_stay_behind() {
-    let model =
-        SharedGplvm::fit(&curved_pairs(), &GplvmOptions { dimension: Some(3), ..GplvmOptions::default() });
-    let model = model.unwrap();
+    let options = GplvmOptions { dimension: Some(3), locate: Locate::Posterior, ..GplvmOptions::default() };
+    let model = SharedGplvm::fit(&curved_pairs(), &options).unwrap();
     let frames = curved(&uniform(150, 3, 21)).0;
     let mapped = map_frames(&model, &frames).unwrap();
     let (mut same, jumps) = (0, mapped.jumps.len());
@@ -219,6 +219,30 @@ fn a_leap_does_not_stay_behind() {
     assert!(jumps > 5, "{jumps}");
     assert!(same > 120, "{same}");
     assert!(mapped.jumps.iter().all(|(_, j)| j.gain > 0.0 && j.lengths > 0.0 && j.key < 25));
+}
+
+/// The way back knows no basins: near inputs have near latent points, whatever came before, and a key pose has its
+/// own.
+#[test]
+fn the_way_back_is_a_function_through_the_key_poses() {
+    let pairs = curved_pairs();
+    let model = SharedGplvm::fit(&pairs, &GplvmOptions::default()).unwrap();
+    let (latents, mut scratch, mut out) = (model.latents(), Scratch::new(), Prediction::default());
+    let mut worst: f64 = 0.0;
+    for i in 0..pairs.len() {
+        model.predict(pairs.input(i), &mut scratch, &mut out).unwrap();
+        let found = scratch.latent().unwrap();
+        worst = worst
+            .max(found.iter().zip(latents.row(i).iter()).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max));
+    }
+    assert!(worst < 1e-8, "{worst}"); // 4e-12 seen
+    let frames = curved(&uniform(150, 3, 21)).0;
+    let mapped = map_frames(&model, &frames).unwrap();
+    for i in 0..frames.nrows() {
+        let one = predict(&model, &frames.row(i).iter().copied().collect::<Vec<_>>());
+        assert!(one.mean.iter().eq(mapped.means.row(i).iter()), "{i}");
+    }
+    assert!(mapped.jumps.is_empty());
 }
 
 /// A refused frame leaves the mapper where it was.

@@ -69,7 +69,8 @@ pub use overlay::{Witness, WitnessKind, contact_overlay};
 pub use polar::{Spoke, push_map, push_map_over};
 pub use residual::momentum_residual;
 pub use retargeted::{
-    Confidence, LatentPath, Table, confidence_strip, force_match, latent_paths, momentum_match, table,
+    Confidence, Criteria, LatentPath, Table, confidence_strip, dimension_criteria, force_match, latent_paths,
+    momentum_match, table,
 };
 pub use stages::{PosePair, StageColumn, pose_sheet, stage_strip};
 pub use strip::{StripOptions, StripRow, film_strip, film_strip_with};

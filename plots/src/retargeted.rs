@@ -11,7 +11,9 @@ use crate::columns::{TIME, WIDTH, empty_page, rms, short};
 use crate::figure::{Anchor, Figure};
 use crate::gains::zero;
 use crate::panel::{Clock, Guide, Key, Panel, Sample, Series, Stroke, header, page};
-use crate::style::{BLUE, GREEN, GRID, INK, LABEL, MARGIN, PURPLE, REFERENCE, SOFT, THIN, VERMILION, WHITE};
+use crate::style::{
+    BLUE, Color, GREEN, GRID, INK, LABEL, MARGIN, PURPLE, REFERENCE, SOFT, THIN, VERMILION, WHITE,
+};
 
 /// A path through a latent space of some dimension, projected on its first two.
 #[derive(Clone, Debug, PartialEq)]
@@ -63,6 +65,72 @@ pub fn latent_paths(paths: &[LatentPath], note: &str) -> Figure {
         Key::dot("key poses of others", VERMILION),
     ];
     page(title, note, &keys, &panels, panels.len().min(3), WIDTH, 420.0)
+}
+
+/// The criteria for the latent dimension at one dimension \[YAH10, §6.2\].
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Criteria {
+    /// Dimensions of the latent space.
+    pub dimensions: usize,
+    /// RMS error at key poses learned, degrees.
+    pub learned_deg: f64,
+    /// RMS error at key poses left out one by one, degrees.
+    pub left_out_deg: f64,
+    /// Jerk of the latent path over its extent, 1/s³.
+    pub jerk_s3: f64,
+    /// As `learned_deg`, latent points searched.
+    pub search_learned_deg: f64,
+    /// As `jerk_s3`, latent points searched.
+    pub search_jerk_s3: f64,
+}
+
+/// Error at the key poses and jerk of the latent path against the dimension of the latent space.
+pub fn dimension_criteria(rows: &[Criteria], note: &str) -> Figure {
+    let title = "How many latent dimensions";
+    if rows.is_empty() {
+        return empty_page(title, note, "no dimension was looked at");
+    }
+    let panel = |title: &str, y_label: &str, curves: &[(fn(&Criteria) -> f64, Color)]| {
+        let points = |of: fn(&Criteria) -> f64| -> Vec<[f64; 2]> {
+            rows.iter().map(|r| [r.dimensions as f64, of(r)]).collect()
+        };
+        let line = |&(of, color): &(fn(&Criteria) -> f64, Color)| Series {
+            points: points(of),
+            color,
+            width: 1.6,
+            stroke: Stroke::Solid,
+        };
+        Panel {
+            title: title.into(),
+            x_label: "latent dimensions".into(),
+            y_label: y_label.into(),
+            series: curves.iter().map(line).collect(),
+            dots: curves
+                .iter()
+                .flat_map(|&(of, c)| points(of).into_iter().map(move |x| (x, 3.4, c)))
+                .collect(),
+            guides: vec![zero(true)],
+            ..Panel::default()
+        }
+    };
+    let panels = [
+        panel(
+            "Error at the key poses",
+            "° RMS",
+            &[(|r| r.left_out_deg, GREEN), (|r| r.learned_deg, BLUE), (|r| r.search_learned_deg, VERMILION)],
+        ),
+        panel(
+            "Jerk of the latent path over its extent",
+            "thousands /s³",
+            &[(|r| 1e-3 * r.jerk_s3, BLUE), (|r| 1e-3 * r.search_jerk_s3, VERMILION)],
+        ),
+    ];
+    let keys = [
+        Key::line("learned", BLUE),
+        Key::line("left out one by one", GREEN),
+        Key::line("learned, latent points searched as in the paper", VERMILION),
+    ];
+    page(title, note, &keys, &panels, 2, WIDTH, 340.0)
 }
 
 /// Linear momentum in the plane and spin about the vertical, scaled human over character.

@@ -36,7 +36,7 @@ fn stages(c: &mut Criterion) {
     let keys = key_poses(&performer, &human, &puppet, 0.5, 3);
     let mut options = Options { smoothing: Smoothing::Off, ground_m: Some(0.0), ..Options::default() };
     options.global.size = SizeRatio::Fixed(0.5);
-    let mapping = Mapping::learn(&puppet, &keys, options.model, options.latent).unwrap();
+    let mapping = Mapping::learn(&puppet, &keys, options.model, &options.gplvm).unwrap();
 
     let mut group = c.benchmark_group("frames");
     group.throughput(Throughput::Elements(human.frames() as u64));

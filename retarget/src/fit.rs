@@ -8,8 +8,11 @@
 //! points themselves: the three markers of each link give its orientation (Kabsch), its joint takes the part
 //! it can.
 //!
-//! *Solution.* Levenberg–Marquardt on `Σ |p_i(q) − z_i|² + s² Σ |excess over limits|²`, then what little excess is
-//! left is clamped. The root has three degrees of freedom here, height, roll and pitch: place and heading are
+//! *Solution.* Levenberg–Marquardt on `Σ |p_i(q) − z_i|² + s² Σ |excess over limits|² + Σ (ρ_l/σ)² |q_l − q′_l|²`, then
+//! what little excess is left is clamped. The last term holds the joint of a link l to the frame before, q′, where its
+//! points say little: they are no better than ρ_l, their RMS distance in that frame's fit, and a joint seldom turns by
+//! more than σ a frame. Points between key poses that differ much (a tail curled up and a tail straight) fall together in one
+//! place, and without it the last links of a chain turn over from one frame to the next. The root has three degrees of freedom here, height, roll and pitch: place and heading are
 //! zero in the local frame by definition.
 
 use std::sync::Arc;
@@ -38,6 +41,9 @@ pub struct Fit {
     pub steps: usize,
 }
 
+/// Turn of a joint from frame to frame, σ, rad.
+const TURN: f64 = 0.5;
+
 /// The fit of one body, and its memory. See the module header.
 #[derive(Clone, Debug)]
 pub struct JointFit {
@@ -56,6 +62,10 @@ pub struct JointFit {
     step: Vec<f64>,
     v: Vec<f64>,
     trial: Vec<f64>,
+    /// The frame before, and (ρ_l/σ)² of its fit for every degree of freedom.
+    before: Vec<f64>,
+    hold: Vec<f64>,
+    held: Vec<f64>,
 }
 
 /// First unknown that is not the root's.
@@ -86,7 +96,10 @@ impl JointFit {
             gradient: vec![0.0; n],
             step: vec![0.0; n],
             v: vec![0.0; skeleton.nv()],
-            trial: zero,
+            trial: zero.clone(),
+            before: zero,
+            hold: vec![0.0; skeleton.nv()],
+            held: vec![0.0; skeleton.nv()],
             skeleton: skeleton.clone(),
             features: features.clone(),
         }
@@ -100,6 +113,10 @@ impl JointFit {
             self.start(z, q);
         }
         self.stand_in_local_frame(q);
+        self.before.copy_from_slice(q);
+        if fresh {
+            self.hold.fill(0.0);
+        }
         let mut cost = self.cost(z, q);
         let n = self.unknowns.len();
         let (mut damping, mut steps) = (1e-8, 0);
@@ -144,6 +161,21 @@ impl JointFit {
         Fit { rms_m: (square / points as f64).sqrt(), steps }
     }
 
+    /// Takes the pose `q` for the frame before: the next [`JointFit::solve`] is held to it where `z` was no body's.
+    pub fn keep(&mut self, z: &[f64], q: &[f64]) {
+        self.k.update(&self.skeleton, q);
+        let mut loose = vec![(0.0, 0.0_f64); self.skeleton.links().len()];
+        for (link, _, r) in self.residuals(z) {
+            loose[link].0 += r.norm_squared();
+            loose[link].1 += 1.0;
+        }
+        for (link, (square, points)) in loose.into_iter().enumerate() {
+            let at = self.skeleton.v_at(link);
+            let dofs = self.skeleton.links()[link].joint.nv();
+            self.hold[at..at + dofs].fill(square / points.max(1.0) / (TURN * TURN));
+        }
+    }
+
     /// Points of the current kinematics: link, position, distance from where they should be.
     fn residuals<'a>(&'a self, z: &'a [f64]) -> impl Iterator<Item = (usize, Vec3, Vec3)> + 'a {
         self.features.points.iter().zip(z.chunks_exact(3)).map(|(p, z)| {
@@ -158,7 +190,9 @@ impl JointFit {
         let links = 1..self.skeleton.links().len();
         let beyond: f64 =
             links.filter_map(|i| way_back(&self.skeleton, q, i)).map(|e| e.norm_squared()).sum();
-        points + self.limit * self.limit * beyond
+        self.skeleton.difference(&self.before, q, 1.0, &mut self.held);
+        let held: f64 = self.held.iter().zip(&self.hold).skip(6).map(|(x, h)| h * x * x).sum();
+        points + self.limit * self.limit * beyond + held
     }
 
     /// Normal matrix and gradient at `q`; the kinematics are those of `q` afterwards.
@@ -199,6 +233,11 @@ impl JointFit {
                     normal[(at + a) * n + at + b] += s2 * e[a] * e[b] / (size * size);
                 }
             }
+        }
+        self.skeleton.difference(&self.before, q, 1.0, &mut self.held);
+        for (i, (turned, hold)) in self.held.iter().zip(&self.hold).skip(6).enumerate() {
+            gradient[ROOT + i] += hold * turned;
+            normal[(ROOT + i) * n + ROOT + i] += hold;
         }
         (self.normal, self.gradient) = (normal, gradient);
     }

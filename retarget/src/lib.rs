@@ -54,7 +54,8 @@ pub use key_poses::{KeyPose, KeyPoses};
 pub use live::{Live, LiveFrame};
 pub use mapping::Mapping;
 pub use options::{
-    ContactOptions, GlobalOptions, MappingModel, Options, RefineDofs, RefineOptions, SizeRatio, Stage,
+    ContactOptions, GlobalOptions, GplvmOptions, Locate, MappingModel, Options, RefineDofs, RefineOptions,
+    SizeRatio, Stage,
 };
 pub use pipeline::{run, run_with};
 pub use prepare::prepare;

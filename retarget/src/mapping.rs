@@ -2,8 +2,8 @@
 //!
 //! In: key poses, then human poses one after the other. Out: character poses in their local frame, and how sure the
 //! model is. A regressor of `learn` maps feature points to feature points; [`JointFit`] makes joint angles of them,
-//! starting from the frame before. Where that fits suddenly worse, a fit from the points alone is tried too and the
-//! better one kept.
+//! starting from the frame before. Where that fits suddenly worse, a fit from the points alone is tried too, and kept
+//! if it is far better: a body that turns over within a frame looks worse than one that is late.
 //!
 //! \[YAH10\] Yamane, Ariki, Hodgins. Animating Non-Humanoid Characters with Human Motion Data, SCA 2010.
 
@@ -18,8 +18,10 @@ use crate::{KeyPoses, Performer, Puppet, RetargetError};
 
 /// A fit this many times worse than the one before is tried afresh, …
 const WORSE: f64 = 2.0;
-/// … if it is worse than this, m.
+/// … if it is worse than this, m; …
 const WORSE_M: f64 = 0.001;
+/// … and the other is kept if it is better by this factor.
+const BETTER: f64 = 0.5;
 
 /// A mapping learned from key poses.
 #[derive(Clone, Debug)]
@@ -49,7 +51,7 @@ pub struct MappedFrame {
 }
 
 impl Mapping {
-    /// Learns from checked key poses.
+    /// Learns from checked key poses; `gplvm` are the settings of the shared GPLVM, which other models do not need.
     ///
     /// # Errors
     /// What [`KeyPoses::check`] finds, a puppet whose root is not free, what the model says.
@@ -57,7 +59,7 @@ impl Mapping {
         puppet: &Puppet,
         key_poses: &KeyPoses,
         model: MappingModel,
-        latent: Option<usize>,
+        gplvm: &GplvmOptions,
     ) -> Result<Self, RetargetError> {
         if !has_free_root(&puppet.character) {
             let (character, link) =
@@ -68,8 +70,7 @@ impl Mapping {
         let (y, z) = key_poses.observations(puppet);
         let fault = |e: learn::FitError| RetargetError::Learn(e.to_string());
         let pairs = Pairs::new(&y, &z).map_err(fault)?;
-        let options = GplvmOptions { dimension: latent, ..GplvmOptions::default() };
-        let model = Model::fit(model, &pairs, &options).map_err(fault)?;
+        let model = Model::fit(model, &pairs, gplvm).map_err(fault)?;
         let names = key_poses.pairs[0].performer.features.points.iter().map(|p| p.name.clone()).collect();
         let poses = key_poses.pairs.iter().map(|p| p.character.clone()).collect();
         let fit = JointFit::new(&puppet.character.skeleton, &puppet.features);
@@ -135,11 +136,12 @@ impl Mapper<'_> {
             self.other.clear();
             self.other.extend_from_slice(q);
             let again = self.fit.solve(&out.mean, &mut self.other, true);
-            if again.rms_m < fit.rms_m {
+            if again.rms_m < BETTER * fit.rms_m {
                 q.copy_from_slice(&self.other);
                 fit = again;
             }
         }
+        self.fit.keep(&out.mean, q);
         self.before_m = Some(fit.rms_m);
         Ok(MappedFrame {
             variance: out.variance,

@@ -6,6 +6,8 @@ use crate::contacts::Phase;
 
 /// The statistical model of the static mapping.
 pub use learn::Method as MappingModel;
+/// Settings of the shared GPLVM.
+pub use learn::{GplvmOptions, Locate};
 
 /// Where the pipeline ends.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
@@ -128,8 +130,8 @@ impl Default for RefineOptions {
 pub struct Options {
     /// The model.
     pub model: MappingModel,
-    /// Dimensions of the latent space; by default min(30, N − 1).
-    pub latent: Option<usize>,
+    /// How the shared GPLVM is learned, and how it finds the latent point of a pose.
+    pub gplvm: GplvmOptions,
     /// Where to stop.
     pub stop_after: Stage,
     /// Frame rate to work at and to write; by default the clip's.

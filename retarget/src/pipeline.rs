@@ -22,7 +22,7 @@ pub fn run(
     key_poses: &KeyPoses,
     options: &Options,
 ) -> Result<Retargeted, RetargetError> {
-    let mapping = Mapping::learn(puppet, key_poses, options.model, options.latent)?;
+    let mapping = Mapping::learn(puppet, key_poses, options.model, &options.gplvm)?;
     run_with(&mapping, clip, performer, puppet, options)
 }
 

@@ -30,7 +30,16 @@ impl Mapping {
             performer.features.read(&k, 0.0, &mut row);
             frames.row_mut(i).iter_mut().zip(&row).for_each(|(to, from)| *to = *from);
         }
-        let named = learn::suggest(&self.model, &frames, count);
+        self.suggest_among(&frames, count)
+    }
+
+    /// Up to `count` of these human poses, given by their feature points (poses × coordinates), the most wanted
+    /// first.
+    ///
+    /// # Errors
+    /// A wrong number of coordinates, or one that is not finite.
+    pub fn suggest_among(&self, poses: &DMatrix<f64>, count: usize) -> Result<Vec<usize>, RetargetError> {
+        let named = learn::suggest(&self.model, poses, count);
         let named = named.map_err(|e| RetargetError::Learn(e.to_string()))?;
         Ok(named.into_iter().map(|s| s.frame).collect())
     }

@@ -5,7 +5,7 @@
 //! script's; legs follow by IK. World frame, m, s, rad; +x is the figure's left, +z its front at rest.
 //!
 //! A foot steps along a straight line with the least-jerk curve, its lift `h sin²(πu)`, so that it leaves
-//! and meets the ground at no speed. A jump lifts feet and root alike by `½ g t (T − t)`: flight is ballistic
+//! and meets the ground at no speed. It travels only while it is off the ground, between 8 % and 92 % of the step. A jump lifts feet and root alike by `½ g t (T − t)`: flight is ballistic
 //! whatever the pose does.
 
 use dynamics::RootMode;
@@ -16,6 +16,9 @@ use motion::{Curve, Transform, Vec3};
 use crate::SceneError;
 use crate::scene::{Check, Physics};
 use crate::schema::FootworkRon;
+
+/// Share of a step at either end in which the foot is lifted or set down and does not travel.
+const GROUND: f64 = 0.08;
 
 /// One foot goes to another place.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -89,7 +92,7 @@ impl Footwork {
         let (mut to, mut turn, mut lift) = ([0.0; 2], 0.0, 0.0);
         for s in self.steps.iter().filter(|s| s.plant == plant && s.start_s <= t) {
             let u = ((t - s.start_s) / s.duration_s).min(1.0);
-            let m = Curve::EaseInOut.at(u);
+            let m = Curve::EaseInOut.at(((u - GROUND) / (1.0 - 2.0 * GROUND)).clamp(0.0, 1.0));
             to = [0, 1].map(|k| to[k] + m * (s.to[k] - to[k]));
             turn += m * (s.turn - turn);
             lift = if u < 1.0 { s.lift * (std::f64::consts::PI * u).sin().powi(2) } else { 0.0 };

@@ -238,6 +238,7 @@ impl Check<'_> {
             })
         };
         let mut balance = ron.without.iter().fold(BalanceSettings::default(), off);
+        balance.arms = ron.arms;
         if let Some(x) = ron.ankle_stiffness {
             balance.ankle_stiffness = Some(self.within("balance.ankle_stiffness", x, 0.05, 20.0, "m g h")?);
         }

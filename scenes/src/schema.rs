@@ -585,6 +585,8 @@ pub struct BalanceRon {
     pub without: Vec<StrategyRon>,
     /// Stiffness of both ankles together over m g h; by default what the tension gives.
     pub ankle_stiffness: Option<f64>,
+    /// Arms may swing against pushes.
+    pub arms: bool,
 }
 
 /// A strategy of balance.

@@ -10,14 +10,12 @@
 //! | [`engine`] | what the pass asks of an engine |
 //! | [`ground`] | the ground, and how it turns |
 //! | [`contacts`] | contact forces |
-//! | [`momentum`] | what integration loses of a free body's momentum |
 //! | [`pass`] | a whole run, recorded |
 
 pub mod contacts;
 pub mod engine;
 pub mod ground;
 mod load;
-pub mod momentum;
 pub mod pass;
 pub mod world;
 

@@ -14,7 +14,6 @@
 //!   acceleration, which the engine leaves out, is added to every body.
 //! - Ground that turns is a kinematic body; its velocity at every contact is the solver's. What touches it is as stiff as
 //!   on fixed ground.
-//! - What integration loses of a free body's momentum is given back: [`crate::momentum`].
 
 use dynamics::{Character, ContactSample, Model, MovingBody, State, Wrench};
 use motion::rotation::log;
@@ -96,7 +95,7 @@ pub struct World {
     pub(crate) handles: Vec<rp::RigidBodyHandle>,
     /// The ground, if it may turn.
     turning: Option<rp::RigidBodyHandle>,
-    pub(crate) any_joint: Option<rp::MultibodyJointHandle>,
+    any_joint: Option<rp::MultibodyJointHandle>,
     mb_link: Vec<usize>,
     /// Centre of mass of the root body in its own frame; zero unless the root is free.
     root_shift: Vec3,
@@ -104,14 +103,8 @@ pub struct World {
     stops: Vec<f64>,
     /// Stiffness and way back of the stops that act in the next step.
     stopping: Vec<(f64, Vec3)>,
-    /// Kinematics of whatever pose is looked at.
-    pub(crate) state: State,
-    /// Sum of the outside forces of the next step, N.
-    pub(crate) pushed: Vec3,
-    /// Momentum after the step under way, contacts left out, N·s.
-    pub(crate) expected: Vec3,
-    pub(crate) q: Vec<f64>,
-    pub(crate) v: Vec<f64>,
+    q: Vec<f64>,
+    v: Vec<f64>,
     steps: usize,
 }
 
@@ -247,9 +240,6 @@ impl World {
             root_shift,
             stops: vec![0.0; bodies],
             stopping: vec![(0.0, Vec3::zeros()); bodies],
-            state,
-            pushed: Vec3::zeros(),
-            expected: Vec3::zeros(),
             q: character.skeleton.zero_pose(),
             v: vec![0.0; character.skeleton.nv()],
             steps: 0,
@@ -526,11 +516,9 @@ impl Engine for World {
         let body = &mut self.physics.bodies[self.handles[self.model.body_of[w.link].0]];
         body.add_force_at_point(to_glam(w.force), to_glam(w.point), true);
         body.add_torque(to_glam(w.moment), true);
-        self.pushed += w.force;
     }
 
     fn step(&mut self) -> Result<(), WorldError> {
-        self.expect_momentum();
         self.physics.step();
         self.steps += 1;
         for &h in &self.handles {
@@ -539,7 +527,6 @@ impl Engine for World {
             body.reset_torques(true);
         }
         self.read_state();
-        self.give_back_momentum();
         for b in &self.model.bodies {
             let q = &self.q[b.q_at..b.q_at + b.joint.nq()];
             let v = &self.v[b.v_at..b.v_at + b.joint.nv()];

@@ -5,16 +5,19 @@
 //! where the body falls; pelvis and legs go the other way.
 //!
 //! Symbols, vectors of the ground plane that point where the trunk leans: θ lean of the chest against the pose asked for
-//! (rad), I momentum per lean rate (kg·m², fore and aft and to the side), ω_r natural frequency of the way back (rad/s), p* the
-//! pressure that the capture point asks for. The way back α = −ω_r² θ − 2 ω_r θ̇ needs the pressure p* − I α/(m g);
-//! what the support cannot give of it is left to the trunk:
+//! (rad), I momentum per lean rate (kg·m², fore and aft and to the side), ω_r natural frequency of the way back (rad/s), ξ the
+//! capture point, b how far it is beyond what the support catches. The moment has three parts:
 //!
 //! ```text
-//! p = inside(p* − I α/(m g)),   I θ̈ = (p* − p) m g
+//! L̇ = k b m g                                         lean: the support cannot catch it alone
+//!   + s (ξ' − inside(ξ' − I α/(m g))) m g             way back α = −ω_r² θ − 2 ω_r θ̇, ξ' = inside(ξ)
+//!   − I θ̇²/(2 (θ_max − θ))                            brake, from where the stroke could just still end
 //! ```
 //!
-//! With room under the feet this is the way back itself, at the edge a push. Its moment is bounded and lags a little; before
-//! the stroke ends it brakes, at a distance of θ̇²/2θ̈.
+//! The way back needs room for the pressure, of which it takes the part s. A lean thus begins as hard as it may, coasts while
+//! the support brings the body back, and is stopped as late as its stroke allows: every moment counts for the capture
+//! point e^{−ω₀ t} as much as at the beginning, and stopping costs what starting gave. Its size is bounded (an ellipse), and
+//! it lags a little. θ and θ̇ are those of the simulated body.
 //!
 //! J. Pratt, J. Carff, S. Drakunov, A. Goswami. Capture point: a step toward humanoid push recovery. Humanoids 2006.
 
@@ -64,7 +67,7 @@ impl Hip {
 
     /// One step of `dt` seconds.
     ///
-    /// `caught`: capture point ξ, m. `beyond`: how far it is beyond what the support can catch, m. `inside` keeps a
+    /// `caught`: ξ, m. `beyond`: b, m. `inside` keeps a
     /// pressure in the support. `weight`: N.
     #[expect(clippy::too_many_arguments, reason = "a step's inputs, each used once")]
     pub fn step(
@@ -83,7 +86,8 @@ impl Hip {
         let from = inside(caught);
         let room = from - inside(from - back.component_mul(&inertia) / weight);
         let most = Vec2::new(s.hip_side_moment_nm, s.hip_moment_nm);
-        let moment = (if s.hip { beyond * s.hip_gain } else { Vec2::zeros() } + room * s.hip_share) * weight;
+        let needed = if s.hip { beyond * s.hip_gain } else { Vec2::zeros() };
+        let moment = (needed + room * s.hip_share) * weight;
         let mut push = (moment / moment.component_div(&most).norm().max(1.0)).component_div(&inertia);
         let speed = rate.norm();
         if speed > 0.0 {
@@ -106,4 +110,67 @@ impl Hip {
 /// Rotation vector, world, of a lean: up × lean.
 pub(super) fn axis(lean: Vec2) -> Vec3 {
     Vec3::new(lean.y, 0.0, -lean.x)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A trunk that does as it is told, and how it leans.
+    fn hip() -> (Hip, Lean) {
+        let inertia = Some(Vec2::new(4.0, 5.0));
+        (Hip { spine: vec![1], push: Vec2::zeros(), inertia }, Lean::default())
+    }
+
+    /// A point of pressure at most `edge` from the middle.
+    fn within(edge: f64) -> impl Fn(Vec2) -> Vec2 {
+        move |p: Vec2| p / (p.norm() / edge).max(1.0)
+    }
+
+    /// Inside the support the trunk stays; beyond, it leans where the body falls, about its stroke far and within
+    /// its moment, and comes back once there is room.
+    #[test]
+    fn the_trunk_leans_only_beyond_the_support() {
+        let s = BalanceSettings::default();
+        for way in [Vec2::new(0.0, 1.0), Vec2::new(1.0, 0.0), Vec2::new(-0.6, -0.8)] {
+            for rate_hz in [120.0, 240.0, 480.0] {
+                let ((mut hip, mut lean), dt) = (hip(), 1.0 / rate_hz);
+                let mut run = |caught: f64, seconds: f64| {
+                    let mut most: f64 = 0.0;
+                    for _ in 0..(seconds * rate_hz) as usize {
+                        let caught = way * caught;
+                        let beyond = caught - within(0.1)(caught);
+                        hip.step(&s, caught, beyond, within(0.1), 700.0, lean, dt);
+                        lean.rate += hip.push * dt;
+                        lean.lean += lean.rate * dt;
+                        most = most.max(lean.lean.dot(&way));
+                        let bound = Vec2::new(s.hip_side_moment_nm, s.hip_moment_nm);
+                        let m = hip.moment().component_div(&bound).norm();
+                        assert!(m < 1.0 + 1e-9, "{m}");
+                    }
+                    (most, lean.lean.norm())
+                };
+                assert_eq!(run(0.099, 1.0), (0.0, 0.0));
+                let (most, _) = run(0.3, 1.0);
+                // driven with its whole moment to the end it overshoots: 1.24 strokes seen at 120 Hz
+                let stroke = s.hip_stroke_rad;
+                assert!(most > 0.9 * stroke && most < 1.3 * stroke, "{way:?}, {rate_hz} Hz: {most}");
+                // 3e-3 rad seen after 12 s
+                let (_, left) = run(0.0, 20.0);
+                assert!(left < 0.01, "{way:?}, {rate_hz} Hz: {left}");
+            }
+        }
+    }
+
+    /// Switched off, it never leans by itself, but still comes back.
+    #[test]
+    fn without_it_the_trunk_only_comes_back() {
+        let s = BalanceSettings { hip: false, ..BalanceSettings::default() };
+        let (mut hip, mut lean) = hip();
+        hip.step(&s, Vec2::x(), Vec2::x(), within(0.1), 700.0, lean, 0.01);
+        assert_eq!(hip.push, Vec2::zeros());
+        lean.lean = Vec2::x() * 0.3;
+        hip.step(&s, Vec2::zeros(), Vec2::zeros(), within(0.1), 700.0, lean, 0.01);
+        assert!(hip.push.x < 0.0 && hip.push.y == 0.0, "{:?}", hip.push);
+    }
 }

@@ -1,24 +1,24 @@
 //! Balance: a reactive movement property that keeps the centre of mass over the feet \[NF03 §4.2\].
 //!
-//! It reads the simulated state every step and writes the drives of the stance legs, and of the spine while it leans:
+//! It reads the simulated state every step and writes the drives of the stance legs, and under a push those of the spine.
+//!
+//! *Standing* serves what the motion itself stirs up:
 //!
 //! 1. *Pelvis shift* (ankles and hips): the legs' goals are solved for a root moved against the error
 //!    of the centre of mass, `Δ = −(p e + d ė/ω₀) − i ∫e`, ω₀ = √(g/h), e = c − c*.
 //! 2. *Support load*: the legs carry the body as it is now. RNEA at the simulated pose with the ground
 //!    reaction at a centre of pressure `c + g_p e + g_d ė/ω₀`, clamped inside the soles, split between the
-//!    feet (see [`crate::support`]). Both together are the ankle strategy.
-//! 3. *Weight shift* between two feet, for what goes along the line between them (unit n). Two legs and a
-//!    pelvis are a parallelogram there: its springs and dampers would pull an unloaded foot along. So the
-//!    legs let the pelvis go (their goals and rates take on its own way along n) and answer through the
-//!    ground alone: centre of pressure `c + g_p e + g_d ė/ω₀` with gains of its own, and with it the
-//!    horizontal force m ω₀² (c − p) that points to the centre of mass, so that the trunk is not turned.
-//!    Pressure moves under both soles and between the feet in proportion, so that both come to their ends
-//!    together; stiffness and damping follow the load. The legs' own inertia is fed forward with the acceleration
-//!    the pelvis has: left out, it takes 40 mm from the pressure of a push to the side.
-//! 4. *Hip strategy*: where the pressure asked for lies beyond the support, the trunk leans as a flywheel. The goals lean with
-//!    it, the pelvis moved so that the centre of mass stays; the ground takes the horizontal force −L̇/h.
-//! 5. *Ankle limit*: the torque of each ankle is limited so that its own centre of pressure stays
+//!    feet (see [`crate::support`]).
+//! 3. *Ankle limit*: the torque of each ankle is limited so that its own centre of pressure stays
 //!    inside its sole; a stiff ankle would tip the foot.
+//!
+//! *Catching* serves pushes. It wakes by how fast the capture point ξ = c + ċ/ω₀ runs off ([`wake`]), and while it is awake
+//! the whole body below the neck moves as one ([`momentum`]):
+//!
+//! 1. *Ankle strategy*: the pressure goes beyond the capture point, `p = inside(ξ + t ξ̇ + k (ξ − c*))`.
+//! 2. *Weight shift*: of the support that is `inside`, all soles together; without it only where each foot keeps its part.
+//! 3. *Hip strategy*: what that cannot catch is left to a moment of the trunk ([`hip`]).
+//! 4. *Force*: `F = (m g (c − p) − L̇)/h` through p. Leg and trunk accelerations, foot loads and torques follow from it.
 //!
 //! Feet that lie flat tell how the ground lies, which may turn: the legs' goals are over the feet as they stand.
 //!
@@ -27,8 +27,9 @@
 //! mass are added, and the feet share the load by the pressures of their corners ([`pressed_wrenches`]), which reach
 //! the corners of the support where an equal offset of both feet leaves one sole too soon.
 //!
-//! In: state, contacts, goal pose, feet. Out: drives of the legs and the spine. No clock and no engine; its memory is the integral,
-//! the lean, how far the answers to pushes are awake and the pelvis' last velocity. World frame.
+//! In: state, contacts, goal pose, feet. Out: drives of the legs, the spine, and the arms where they may swing. No clock and
+//! no engine; its memory is the integral, the moment of the trunk, the feet's loads and how far the answer to pushes is
+//! awake. World frame.
 
 mod ankle;
 mod hip;
@@ -43,7 +44,7 @@ use motion::ik::IkError;
 use motion::plant::{Plant, plant};
 use motion::rotation::log;
 use motion::support::{Support, Vec2, ground};
-use motion::{LimbKind, Vec3};
+use motion::{Joint, LimbKind, Vec3};
 
 use crate::antagonist::SetPoints;
 use crate::reactive::{Moment, Reactive};
@@ -175,10 +176,13 @@ impl Balance {
         let force = (Vec3::y() * lift - model.gravity) * model.mass;
         let force = self.feed.map_or(force, |f| f.force);
         let force = if force.y > 0.0 { force } else { Vec3::zeros() };
-        let level = if force.y > 0.0 { self.wake.update(&s, sway.stray, dt) } else { 0.0 };
+        let free = matches!(model.bodies[0].joint, Joint::Free);
+        let level = if free && force.y > 0.0 { self.wake.update(&s, sway.stray, dt) } else { 0.0 };
         self.stand(model, set_points, muscles, &sway, force, (q, v), (goal_q, goal_v), level, dt, drives)?;
         if level > 0.0 {
             self.catch(model, set_points, &sway, force, (q, v), (goal_q, goal_v), level, dt, drives);
+        } else {
+            self.hip.push = Vec2::zeros();
         }
         Ok(())
     }

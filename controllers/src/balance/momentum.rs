@@ -325,3 +325,86 @@ fn substitute(l: &[f64], n: usize, x: &mut [f64]) {
         x[i] = (x[i] - sum) / l[i * n + i];
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use std::sync::Arc;
+
+    use dynamics::Character;
+    use motion::support::ground;
+    use nalgebra::DVector;
+
+    use super::*;
+
+    struct Standing {
+        character: Arc<Character>,
+        model: Model,
+        state: State,
+        feet: Vec<Foot>,
+        plants: Vec<Plant>,
+        body: WholeBody,
+    }
+
+    fn standing() -> Standing {
+        let character = Arc::new(dynamics::anthropometry::human::human().0);
+        let model = Model::new(&character, Vec3::new(0.0, -9.81, 0.0));
+        let feet = Foot::of(&character, &model);
+        let plants =
+            feet.iter().map(|f| Plant::here(&character.skeleton, &character.rest, &f.limb)).collect();
+        let spine: Vec<usize> =
+            ["abdomen", "chest"].map(|n| model.body_of[character.skeleton.link(n).unwrap()].0).to_vec();
+        let body = WholeBody::new(&model, &feet, &spine, &[]);
+        let state = State::new(&model);
+        Standing { character, model, state, feet, plants, body }
+    }
+
+    /// Whatever force through whatever point of the support is asked for: the root needs no other wrench, the soles
+    /// stay, and the loads of the feet are theirs to give.
+    #[test]
+    fn the_ground_gives_what_is_asked_and_soles_stay() {
+        let Standing { character, model, mut state, feet, plants, mut body } = standing();
+        let rest = &character.rest;
+        let still = vec![0.0; model.nv()];
+        state.update(&model, rest, &still);
+        let floor = feet[0].center(&model, &state).y;
+        let com = state.com(&model);
+        let weight = model.mass * 9.81;
+        for (x, z) in [(0.0, 0.0), (0.12, 0.0), (-0.12, 0.08), (0.05, -0.06)] {
+            let pressure = ground(&com) + Vec2::new(x, z);
+            let force = Vec3::new(-0.8 * x * weight, weight, -0.8 * z * weight);
+            let wanted = Wanted { force, pressure, floor, above: 0.0, rise: 0.0 };
+            body.solve(&model, &mut state, (&feet, &plants), &wanted, (rest, &still), (rest, &still));
+            let mut tau = still.clone();
+            state.inverse_dynamics(&model, &still, &body.accel, &[], &mut tau);
+            let root = vec_at(&tau, 0);
+            let about = state.bodies[0].origin() - Vec3::new(pressure.x, floor, pressure.y);
+            let moment = vec_at(&tau, 3) + about.cross(&root);
+            let off = (root - force).component_mul(&Vec3::new(1.0, 0.0, 1.0)).norm();
+            assert!(off < 0.002 * weight, "{x} {z}: {off} N"); // constraints are weights
+            assert!(moment.norm() < 0.002 * weight, "{x} {z}: {moment}");
+            for foot in &feet {
+                let mut moved = (Vec3::zeros(), Vec3::zeros());
+                let at = state.bodies[foot.body].origin();
+                state.jacobian(&model, foot.body, &at, |dof, l, a| {
+                    moved.0 += l * body.accel[dof];
+                    moved.1 += a * body.accel[dof];
+                });
+                assert!(moved.0.norm() < 0.05 && moved.1.norm() < 0.2, "{x} {z}: {moved:?}");
+            }
+        }
+    }
+
+    /// Two roads: the factor and its substitution against a solver of nalgebra.
+    #[test]
+    fn the_factor_solves() {
+        let n = 7;
+        let a = DMatrix::from_fn(n, n, |i, j| ((i * 7 + j * 3) as f64).sin());
+        let a = &a * a.transpose() + DMatrix::identity(n, n);
+        let b = DVector::from_fn(n, |i, _| (i as f64).cos());
+        let (mut l, mut x) = (a.transpose().as_slice().to_vec(), b.as_slice().to_vec());
+        factor(&mut l, n);
+        substitute(&l, n, &mut x);
+        let error = (DVector::from_vec(x) - a.cholesky().unwrap().solve(&b)).norm();
+        assert!(error < 1e-12, "{error}"); // 1e-15 seen
+    }
+}

@@ -84,7 +84,8 @@ pub struct BalanceSettings {
     pub hip_moment_nm: f64,
     /// Largest change of angular momentum to the side, N·m, > 0.
     pub hip_side_moment_nm: f64,
-    /// Lean of the chest at which it is stopped, rad, > 0; higher catches harder pushes, and looks it.
+    /// Lean of the chest at which it is stopped, rad, > 0, overshot by up to a quarter where it was driven with its whole moment
+    /// all the way; higher catches harder pushes, and looks it.
     pub hip_stroke_rad: f64,
     /// Part of the moment with which the lean begins to be stopped, in (0, 1]; lower brakes sooner and softer.
     pub hip_brake: f64,
@@ -113,14 +114,14 @@ impl Default for BalanceSettings {
             wake_full_m_s: 0.5,
             wake_rest_m: 0.01,
             catch_gain: 1.5,
-            catch_ahead_s: 0.06,
+            catch_ahead_s: 0.08,
             catch_margin_m: 0.004,
-            hip_reserve_m: 0.02,
+            hip_reserve_m: 0.03,
             hip_gain: 6.0,
             hip_share: 0.25,
-            hip_moment_nm: 150.0,
-            hip_side_moment_nm: 150.0,
-            hip_stroke_rad: 0.8,
+            hip_moment_nm: 200.0,
+            hip_side_moment_nm: 200.0,
+            hip_stroke_rad: 0.87,
             hip_brake: 0.8,
             hip_return_rad_s: 2.0,
             hip_lag_s: 0.02,

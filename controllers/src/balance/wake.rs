@@ -1,6 +1,6 @@
 //! What wakes the answers to pushes.
 //!
-//! In: an error of the capture point. Out: a level. The ground plane, (x, z), m.
+//! In: an error of the capture point. Out: a level, the speed of the error. The ground plane, (x, z), m.
 
 use motion::smoothstep;
 use motion::support::Vec2;

@@ -6,8 +6,8 @@ use motion::{Clip, Joint, Link, Skeleton, Vec3};
 use retarget::contacts::phases;
 use retarget::refine::refine;
 use retarget::{
-    ContactPoint, Features, Follow, KeyPose, KeyPoses, Mapping, MappingModel, Options, Phase, Puppet,
-    RefineDofs, RefineOptions, RetargetError, run,
+    ContactPoint, Features, Follow, GplvmOptions, KeyPose, KeyPoses, Mapping, MappingModel, Options, Phase,
+    Puppet, RefineDofs, RefineOptions, RetargetError, run,
 };
 
 use crate::bodies::{key_poses, mocap, puppet, same_angles, scaled};
@@ -19,7 +19,9 @@ fn bad_requests_are_told() {
     let puppet = puppet(body.clone());
     let own = same_angles(&human, &puppet.character, 0.5);
     let keys = key_poses(&performer, &human, &puppet, 0.5, 10);
-    let learn = |k: &KeyPoses| Mapping::learn(&puppet, k, MappingModel::Gp, None).map(|_| ()).unwrap_err();
+    let learn = |k: &KeyPoses| {
+        Mapping::learn(&puppet, k, MappingModel::Gp, &GplvmOptions::default()).map(|_| ()).unwrap_err()
+    };
     let say = |e: &RetargetError| println!("{e}");
 
     let few = KeyPoses { pairs: keys.pairs[..2].to_vec() };

@@ -59,7 +59,7 @@ fn live_points_stay_where_they_land() {
     let puppet = puppet(scaled(&performer.character, 0.5, 1.0));
     let keys = key_poses(&performer, &human, &puppet, 0.5, 5);
     let o = options();
-    let mapping = Mapping::learn(&puppet, &keys, o.model, o.latent).unwrap();
+    let mapping = Mapping::learn(&puppet, &keys, o.model, &o.gplvm).unwrap();
     let mut live = Live::new(&mapping, &performer, &puppet, human.rate_hz, &o).unwrap();
     let s = puppet.character.skeleton.clone();
     let mut k = Kinematics::new(&s, &puppet.character.rest);

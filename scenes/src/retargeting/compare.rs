@@ -3,9 +3,11 @@
 //! In: a [`Session`]. Out: a [`ModelRow`] for each model. The error at a key pose is the RMS over all joints but the
 //! root of the angle between the pose that is mapped and the one that was made.
 
-use motion::{Joint, Skeleton};
+use motion::metrics::{joint_errors, joint_rms_deg};
+use motion::{Clip, Skeleton};
+use nalgebra::DMatrix;
 use retarget::mapping::map_clip;
-use retarget::{KeyPoses, Mapping, MappingModel, Options, RetargetError, Stage};
+use retarget::{GplvmOptions, KeyPoses, Locate, Mapping, MappingModel, Options, RetargetError, Stage};
 use serde::Serialize;
 
 use super::{RetargetingError, Session};
@@ -28,15 +30,20 @@ pub struct ModelRow {
     pub mismatch_left_percent: Option<f64>,
 }
 
-/// Runs all models.
+/// Runs all models; the shared GPLVM a second time with latent points searched as in the paper.
 ///
 /// # Errors
 /// As [`Session::learn`] and [`Session::run`].
 pub fn compare(session: &Session, options: &Options) -> Result<Vec<ModelRow>, RetargetingError> {
-    MappingModel::ALL.iter().map(|&model| row(session, &Options { model, ..options.clone() })).collect()
+    let one = |model: MappingModel| row(session, &Options { model, ..options.clone() }, model.name());
+    let mut rows = MappingModel::ALL.iter().map(|&model| one(model)).collect::<Result<Vec<_>, _>>()?;
+    let gplvm = GplvmOptions { locate: Locate::Posterior, ..options.gplvm.clone() };
+    let searched = Options { model: MappingModel::Gplvm, gplvm, ..options.clone() };
+    rows.push(row(session, &searched, "search")?);
+    Ok(rows)
 }
 
-fn row(session: &Session, options: &Options) -> Result<ModelRow, RetargetingError> {
+fn row(session: &Session, options: &Options, model: &'static str) -> Result<ModelRow, RetargetingError> {
     let fault = |e| session.fault(e);
     let mapping = session.learn(options)?;
     let done = session.run(&mapping, options)?;
@@ -49,15 +56,13 @@ fn row(session: &Session, options: &Options) -> Result<ModelRow, RetargetingErro
     let by_group: Vec<Vec<usize>> = (groups.iter())
         .map(|g| all.iter().copied().filter(|&i| pairs.pairs[i].group == *g).collect())
         .collect();
-    let learned = errors(session, &mapping, pairs, &all).map_err(fault)?;
-    let mapped = &done.stages[0].1;
     let body = &session.performance.performer.character.skeleton;
     Ok(ModelRow {
-        model: options.model.name(),
-        learned_deg: rms(&learned),
-        left_out_deg: rms(&left_out(session, options, &one_by_one).map_err(fault)?),
-        performance_left_out_deg: rms(&left_out(session, options, &by_group).map_err(fault)?),
-        jerk_ratio: jerk(&session.actor.puppet.character.skeleton, mapped)
+        model,
+        learned_deg: error_deg(session, &mapping, &all).map_err(fault)?,
+        left_out_deg: left_out_deg(session, options, &one_by_one).map_err(fault)?,
+        performance_left_out_deg: left_out_deg(session, options, &by_group).map_err(fault)?,
+        jerk_ratio: jerk(&session.actor.puppet.character.skeleton, &done.stages[0].1)
             / jerk(body, &done.human).max(1e-300),
         mismatch_left_percent: (options.stop_after == Stage::Refine)
             .then_some(done.refinement.as_ref())
@@ -66,57 +71,56 @@ fn row(session: &Session, options: &Options) -> Result<ModelRow, RetargetingErro
     })
 }
 
-/// Errors of the pairs of each fold by a model that has not seen them.
-fn left_out(session: &Session, options: &Options, folds: &[Vec<usize>]) -> Result<Vec<f64>, RetargetError> {
-    let pairs = &session.key_poses.key_poses;
-    let mut out = Vec::new();
-    for fold in folds {
-        let rest = pairs.pairs.iter().enumerate().filter(|(i, _)| !fold.contains(i)).map(|(_, p)| p.clone());
-        let seen = KeyPoses { pairs: rest.collect() };
-        let mapping = Mapping::learn(&session.actor.puppet, &seen, options.model, options.latent)?;
-        out.extend(errors(session, &mapping, pairs, fold)?);
-    }
-    Ok(out)
+/// A mapping learned from some of the key poses only.
+///
+/// # Errors
+/// As [`Mapping::learn`].
+pub fn learn_from(session: &Session, keep: &[usize], options: &Options) -> Result<Mapping, RetargetError> {
+    let pairs = &session.key_poses.key_poses.pairs;
+    let seen = KeyPoses { pairs: keep.iter().map(|&i| pairs[i].clone()).collect() };
+    Mapping::learn(&session.actor.puppet, &seen, options.model, &options.gplvm)
 }
 
-/// RMS over the joints, rad, for each of these pairs.
-fn errors(
+/// RMS error (degrees) at the pairs of each fold by a model that has not seen them.
+///
+/// # Errors
+/// As [`Mapping::learn`].
+pub fn left_out_deg(
     session: &Session,
-    mapping: &Mapping,
-    pairs: &KeyPoses,
-    which: &[usize],
-) -> Result<Vec<f64>, RetargetError> {
+    options: &Options,
+    folds: &[Vec<usize>],
+) -> Result<f64, RetargetError> {
+    let (mut sum, mut count) = (0.0, 0.0);
+    for fold in folds {
+        let keep: Vec<usize> =
+            (0..session.key_poses.key_poses.pairs.len()).filter(|i| !fold.contains(i)).collect();
+        let mapping = learn_from(session, &keep, options)?;
+        sum += error_deg(session, &mapping, fold)?.powi(2) * fold.len() as f64;
+        count += fold.len() as f64;
+    }
+    Ok((sum / f64::max(count, 1.0)).sqrt())
+}
+
+/// RMS error (degrees) of a mapping at these pairs.
+///
+/// # Errors
+/// As [`retarget::mapping::Mapper::map`].
+pub fn error_deg(session: &Session, mapping: &Mapping, which: &[usize]) -> Result<f64, RetargetError> {
     let character = &session.actor.puppet.character;
-    let mut out = Vec::new();
+    let (mut mapped, mut made) = (Vec::new(), Vec::new());
     for &i in which {
-        let p = &pairs.pairs[i];
+        let p = &session.key_poses.key_poses.pairs[i];
         let mut q = character.rest.clone();
         mapping.mapper(&p.performer).map(&p.human, &mut q)?;
-        out.push(apart(&character.skeleton, &q, &p.character));
+        mapped.extend(q);
+        made.extend_from_slice(&p.character);
     }
-    Ok(out)
-}
-
-/// RMS angle over all joints but the root, rad.
-fn apart(skeleton: &Skeleton, a: &[f64], b: &[f64]) -> f64 {
-    let angles: Vec<f64> = (skeleton.links().iter().enumerate().skip(1))
-        .filter_map(|(i, l)| match l.joint {
-            Joint::Free | Joint::Spherical => {
-                Some(skeleton.rotation(a, i).angle_to(&skeleton.rotation(b, i)))
-            }
-            Joint::Revolute(_) => Some((a[skeleton.q_at(i)] - b[skeleton.q_at(i)]).abs()),
-            Joint::Prismatic(_) | Joint::Fixed => None,
-        })
-        .collect();
-    (angles.iter().map(|x| x * x).sum::<f64>() / angles.len().max(1) as f64).sqrt()
-}
-
-fn rms(errors: &[f64]) -> f64 {
-    (errors.iter().map(|e| e * e).sum::<f64>() / errors.len().max(1) as f64).sqrt().to_degrees()
+    let clip = |poses| Clip::new(character.skeleton.clone(), 1.0, poses);
+    Ok(joint_rms_deg(&joint_errors(&clip(mapped), &clip(made))))
 }
 
 /// RMS change of the change of the joints' steps, rad per frame cubed.
-fn jerk(skeleton: &Skeleton, clip: &motion::Clip) -> f64 {
+fn jerk(skeleton: &Skeleton, clip: &Clip) -> f64 {
     let (frames, nv) = (clip.frames(), skeleton.nv());
     if frames < 4 || nv <= 6 {
         return 0.0;
@@ -141,22 +145,10 @@ pub struct Latent {
     pub frames: Vec<Vec<f64>>,
     /// Every key pose.
     pub keys: Vec<Vec<f64>>,
-    /// RMS third difference of the path over its RMS distance from its mean.
+    /// Jerk of the path over its extent, 1/s³ ([`learn::PathShape`]); 0 for a path that stays.
     pub jerk: f64,
     /// Frames at which the answer jumped.
     pub jumps: usize,
-}
-
-/// RMS third difference of a path over its RMS distance from its mean; 0 for one that stays.
-fn roughness(path: &[Vec<f64>]) -> f64 {
-    let Some(first) = path.first() else { return 0.0 };
-    let n = path.len() as f64;
-    let mean: Vec<f64> = (0..first.len()).map(|d| path.iter().map(|x| x[d]).sum::<f64>() / n).collect();
-    let spread: f64 = path.iter().flatten().zip(mean.iter().cycle()).map(|(x, m)| (x - m).powi(2)).sum();
-    let third = |w: &[Vec<f64>], d: usize| w[3][d] - 3.0 * w[2][d] + 3.0 * w[1][d] - w[0][d];
-    let bends: f64 =
-        path.windows(4).map(|w| (0..first.len()).map(|d| third(w, d).powi(2)).sum::<f64>()).sum();
-    if spread > 0.0 { (bends / (n - 3.0).max(1.0) / (spread / n)).sqrt() } else { 0.0 }
 }
 
 /// Maps the motion through latent spaces of these dimensions; those that the pairs do not allow are left out.
@@ -165,15 +157,14 @@ fn roughness(path: &[Vec<f64>]) -> f64 {
 /// As [`Mapping::learn`].
 pub fn latent_paths(
     session: &Session,
-    human: &motion::Clip,
+    human: &Clip,
+    gplvm: &GplvmOptions,
     dimensions: &[usize],
 ) -> Result<Vec<Latent>, RetargetingError> {
     let (puppet, pairs) = (&session.actor.puppet, &session.key_poses.key_poses);
-    let most = 30.min(pairs.pairs.len() - 1);
-    let mut wanted: Vec<usize> = dimensions.iter().map(|&d| d.min(most)).collect();
-    wanted.dedup();
     let path = |d: usize| -> Result<Latent, RetargetError> {
-        let mapping = Mapping::learn(puppet, pairs, MappingModel::Gplvm, Some(d))?;
+        let gplvm = GplvmOptions { dimension: Some(d), ..gplvm.clone() };
+        let mapping = Mapping::learn(puppet, pairs, MappingModel::Gplvm, &gplvm)?;
         let (_, report) = map_clip(&mapping, &session.performance.performer, human, puppet)?;
         let mut keys = Vec::new();
         for p in &pairs.pairs {
@@ -181,8 +172,19 @@ pub fn latent_paths(
             mapper.map(&p.human, &mut puppet.character.rest.clone())?;
             keys.extend(mapper.latent().map(<[f64]>::to_vec));
         }
-        let jerk = roughness(&report.latent);
+        let points = DMatrix::from_fn(report.latent.len(), d, |i, k| report.latent[i][k]);
+        let jerk = learn::path_shape(&points, human.rate_hz).map_or(0.0, |s| s.relative_jerk);
         Ok(Latent { dimensions: d, frames: report.latent, keys, jerk, jumps: report.jumps.len() })
     };
-    wanted.into_iter().map(|d| path(d).map_err(|e| session.fault(e))).collect()
+    allowed(dimensions, pairs.pairs.len())
+        .into_iter()
+        .map(|d| path(d).map_err(|e| session.fault(e)))
+        .collect()
+}
+
+/// These dimensions of a latent space, none above min(30, N − 1) for N pairs.
+pub fn allowed(dimensions: &[usize], pairs: usize) -> Vec<usize> {
+    let mut wanted: Vec<usize> = dimensions.iter().map(|&d| d.min(30).min(pairs - 1)).collect();
+    wanted.dedup();
+    wanted
 }

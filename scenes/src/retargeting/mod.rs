@@ -12,6 +12,7 @@
 pub mod compare;
 pub mod key_pose_file;
 pub mod report;
+pub mod study;
 
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -203,7 +204,7 @@ impl Session {
     /// A model that cannot be learned from these pairs, with their file.
     pub fn learn(&self, options: &Options) -> Result<Mapping, RetargetingError> {
         let pairs = &self.key_poses.key_poses;
-        Mapping::learn(&self.actor.puppet, pairs, options.model, options.latent).map_err(|source| {
+        Mapping::learn(&self.actor.puppet, pairs, options.model, &options.gplvm).map_err(|source| {
             RetargetingError::Retarget {
                 path: self.key_poses.path.display().to_string(),
                 source: Box::new(source),

@@ -10,6 +10,7 @@ use serde::Serialize;
 
 use super::Session;
 use super::compare::ModelRow;
+use super::study::Study;
 
 /// All numbers of a run.
 #[derive(Clone, Debug, Serialize)]
@@ -44,9 +45,12 @@ pub struct RetargetReport {
     /// Moments whose poses the model is least sure of, to be made next; in the order of their worth.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub suggested: Vec<Suggestion>,
-    /// The five models side by side, if that was asked for.
+    /// The five models side by side, and the shared GPLVM with latent points searched (`search`), if that was asked for.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub models: Vec<ModelRow>,
+    /// How good the key poses are, if that was asked for.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub study: Option<Study>,
     /// Files written, by what they hold; paths relative to the report.
     pub files: BTreeMap<String, String>,
 }
@@ -214,6 +218,7 @@ impl RetargetReport {
             }),
             suggested,
             models: Vec::new(),
+            study: None,
             files: BTreeMap::new(),
         }
     }
