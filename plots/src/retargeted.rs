@@ -84,22 +84,21 @@ pub struct Criteria {
     pub search_jerk_s3: f64,
 }
 
+/// A number of a row, and the colour of its curve.
+type Curve = (fn(&Criteria) -> f64, Color);
+
 /// Error at the key poses and jerk of the latent path against the dimension of the latent space.
 pub fn dimension_criteria(rows: &[Criteria], note: &str) -> Figure {
     let title = "How many latent dimensions";
     if rows.is_empty() {
         return empty_page(title, note, "no dimension was looked at");
     }
-    let panel = |title: &str, y_label: &str, curves: &[(fn(&Criteria) -> f64, Color)]| {
+    let panel = |title: &str, y_label: &str, curves: &[Curve]| {
         let points = |of: fn(&Criteria) -> f64| -> Vec<[f64; 2]> {
             rows.iter().map(|r| [r.dimensions as f64, of(r)]).collect()
         };
-        let line = |&(of, color): &(fn(&Criteria) -> f64, Color)| Series {
-            points: points(of),
-            color,
-            width: 1.6,
-            stroke: Stroke::Solid,
-        };
+        let line =
+            |&(of, color): &Curve| Series { points: points(of), color, width: 1.6, stroke: Stroke::Solid };
         Panel {
             title: title.into(),
             x_label: "latent dimensions".into(),

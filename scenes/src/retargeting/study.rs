@@ -291,5 +291,5 @@ fn suggestions(session: &Session) -> Result<Option<Suggestions>, RetargetError> 
 fn median(mut v: Vec<f64>) -> f64 {
     v.sort_by(f64::total_cmp);
     let m = v.len() / 2;
-    if v.len() % 2 == 0 { 0.5 * (v[m - 1] + v[m]) } else { v[m] }
+    if v.len().is_multiple_of(2) { 0.5 * (v[m - 1] + v[m]) } else { v[m] }
 }
