@@ -31,12 +31,12 @@ pub fn run(args: &ConvertArgs) -> Result<(), Failure> {
         return Err(Failure::Input("--out-units is for .bvh; a .glb is in metres by definition".into()));
     }
     let mut said = String::new();
-    let (clip, solids, unit) = match extension(&args.input).as_str() {
+    let (clip, solids, colors, unit) = match extension(&args.input).as_str() {
         "bvh" => {
             let (clip, report) = bvh::read_file(&args.input, &args.clip.import()).map_err(Failure::input)?;
             said += &format!("{report}\n");
             let solids = glb::bones(&clip.skeleton);
-            (clip, solids, report.units.metres_per_unit)
+            (clip, solids, Vec::new(), report.units.metres_per_unit)
         }
         "ron" => {
             if let Some(option) = args.clip.given() {
@@ -45,7 +45,7 @@ pub fn run(args: &ConvertArgs) -> Result<(), Failure> {
             }
             let stage = scenes::open_with(&args.input, None, &args.clip.import(), &Overrides::default())
                 .map_err(Failure::input)?;
-            (stage.kinematic.clone(), stage.solids(), stage.metres_per_unit())
+            (stage.kinematic.clone(), stage.solids(), stage.colors.clone(), stage.metres_per_unit())
         }
         _ => return Err(Failure::input(StageError::Kind(args.input.display().to_string()))),
     };
@@ -53,7 +53,7 @@ pub fn run(args: &ConvertArgs) -> Result<(), Failure> {
     let clip = args.rate.map_or_else(|| clip.clone(), |rate| clip.resample(rate));
     let name = args.input.file_stem().unwrap_or_default().to_string_lossy();
     let written = if kind == "glb" {
-        glb::write_file(&args.output, &clip, &solids, &name).map_err(Failure::run)?;
+        glb::write_file(&args.output, &clip, &solids, &colors, &name).map_err(Failure::run)?;
         "metres".to_owned()
     } else {
         let metres_per_unit = args.out_units.unwrap_or(unit);

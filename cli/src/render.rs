@@ -200,6 +200,6 @@ impl Folder {
     /// A clip of the character as GLB, with its solids.
     fn body(&mut self, stem: &str, stage: &Stage, clip: &Clip) -> Result<(), Failure> {
         let path = self.add(&format!("{stem}_glb"), &format!("{stem}.glb"));
-        glb::write_file(&path, clip, &stage.solids(), &stage.name).map_err(Failure::run)
+        glb::write_file(&path, clip, &stage.solids(), &stage.colors, &stage.name).map_err(Failure::run)
     }
 }

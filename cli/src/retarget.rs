@@ -45,12 +45,15 @@ pub fn run(args: &RetargetArgs) -> Result<(), Failure> {
         return sheet(&session, &dir);
     }
     progress.part("mapping");
-    let options = Options {
+    let mut options = Options {
         model: args.model.model(),
         stop_after: args.stop_after.stage(),
         rate_hz: args.rate,
+        sway: !args.no_sway,
         ..Options::default()
     };
+    options.global.size = args.size_ratio;
+    options.refine.dofs = args.refine.0.clone();
     let mapping = session.learn(&options).map_err(failure)?;
     let done = session.run(&mapping, &options).map_err(failure)?;
     let suggested = match args.suggest_keyposes {
@@ -149,7 +152,7 @@ impl Folder<'_> {
         self.bvh("human", &done.human)?;
         let path = self.add("retargeted_glb", "retargeted.glb");
         let stage = session.stage(done);
-        glb::write_file(&path, &done.clip, &stage.solids(), name).map_err(Failure::run)
+        glb::write_file(&path, &done.clip, &stage.solids(), &stage.colors, name).map_err(Failure::run)
     }
 }
 
@@ -205,6 +208,16 @@ fn write(out: &mut String, r: &RetargetReport, dir: &Path) -> std::fmt::Result {
             c.penetration_mm
         );
         line(out, "contacts", text)?;
+    }
+    if let Some(s) = &r.sway {
+        line(
+            out,
+            "sway",
+            format!(
+                "{} joints followed by dynamics, up to {:.0}° from their key poses",
+                s.joints, s.most_deg
+            ),
+        )?;
     }
     if let Some(f) = &r.refinement {
         let text = format!(

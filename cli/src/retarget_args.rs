@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 use clap::{Args, ValueEnum};
-use scenes::retarget::{MappingModel, Stage};
+use scenes::retarget::{MappingModel, RefineDofs, SizeRatio, Stage};
 
 use crate::args::{ClipArgs, frame_rate, whole};
 
@@ -81,6 +81,15 @@ pub struct RetargetArgs {
     /// The last stage
     #[arg(long, value_enum, default_value_t)]
     pub stop_after: StopAfter,
+    /// How distances of travel scale: `stride` (the paper's ratio, but no longer than legs can step), `paper`, or a number
+    #[arg(long, value_name = "RATIO", value_parser = size_ratio, default_value = "stride", allow_negative_numbers = true)]
+    pub size_ratio: SizeRatio,
+    /// What the refinement may move: `height` of the root, `root`, `legs` (root and legs), or links by name
+    #[arg(long, value_name = "height|root|legs|LINK,…", value_parser = refined, default_value = "height")]
+    pub refine: Refined,
+    /// Leave parts that can follow by dynamics, such as a tail, where the key poses have them
+    #[arg(long)]
+    pub no_sway: bool,
     /// Frames per second to work at and to write [default: the motion's]
     #[arg(long, value_name = "HZ", value_parser = frame_rate, allow_negative_numbers = true)]
     pub rate: Option<f64>,
@@ -120,6 +129,8 @@ Examples:
   contrapposto retarget scenes/performances/anger.ron --to scenes/characters/lamp.ron
   contrapposto retarget walk.bvh --to scenes/characters/penguin.ron --rate 30
   contrapposto retarget scenes/performances/fear.ron --to scenes/characters/squirrel.ron --model nn3 --stop-after map
+  contrapposto retarget scenes/performances/dance.ron --to scenes/characters/penguin.ron --refine legs
+  contrapposto retarget walk.bvh --to scenes/characters/squirrel.ron --size-ratio 0.2 --refine chest,spine --no-sway
   contrapposto retarget walk.bvh --to scenes/characters/lamp.ron --suggest-keyposes 5
   contrapposto retarget scenes/performances/fear.ron --to scenes/characters/lamp.ron --guess 1.5,7
   contrapposto retarget scenes/performances/happiness.ron --to scenes/characters/lamp.ron --stop-after map --compare --study
@@ -135,6 +146,34 @@ Give the result a dynamic pass with
   contrapposto render DIR/retargeted.bvh --body CHARACTER.ron --units 0.01 --up y
 
 Same input, same bytes.";
+
+/// What the refinement may move.
+#[derive(Clone, Debug)]
+pub struct Refined(pub RefineDofs);
+
+fn refined(text: &str) -> Result<Refined, String> {
+    let names: Vec<String> = text.split(',').map(|s| s.trim().to_owned()).collect();
+    if names.iter().any(String::is_empty) {
+        return Err("an empty name; allowed: height, root, legs, or links of the character".into());
+    }
+    Ok(Refined(match text {
+        "height" => RefineDofs::RootHeight,
+        "root" => RefineDofs::Root,
+        "legs" => RefineDofs::RootAndLegs,
+        _ => RefineDofs::Links(names),
+    }))
+}
+
+fn size_ratio(text: &str) -> Result<SizeRatio, String> {
+    match text {
+        "stride" => Ok(SizeRatio::Stride),
+        "paper" => Ok(SizeRatio::PerAxis),
+        _ => match text.parse::<f64>() {
+            Ok(x) if x > 0.0 && x.is_finite() => Ok(SizeRatio::Fixed(x)),
+            _ => Err("allowed: stride, paper, or a positive number".into()),
+        },
+    }
+}
 
 fn suggestions(text: &str) -> Result<usize, String> {
     whole(text, 1, 100)

@@ -127,7 +127,7 @@ fn nodes_read_back_stand_where_kinematics_says() {
         (cmu("49_07.bvh"), Vec::new()),
         (odd_clip(), odd_solids()),
     ] {
-        let document = Document::read(&write(&clip, &solids, "test").unwrap());
+        let document = Document::read(&write(&clip, &solids, &[], "test").unwrap());
         for frame in [0, 1, clip.frames() / 3, clip.frames() / 2, clip.frames() - 1] {
             let ours = Kinematics::new(&clip.skeleton, clip.pose(frame));
             let theirs = document.world(frame);
@@ -148,7 +148,7 @@ fn nodes_read_back_stand_where_kinematics_says() {
 #[test]
 fn skinned_vertices_follow_their_links() {
     let (clip, solids) = (odd_clip(), odd_solids());
-    let document = Document::read(&write(&clip, &solids, "test").unwrap());
+    let document = Document::read(&write(&clip, &solids, &[], "test").unwrap());
     let skin = document.gltf.skins().next().unwrap();
     let binds: Vec<Matrix4<f64>> = skin
         .reader(|_| Some(document.bin()))
@@ -199,7 +199,7 @@ fn skinned_vertices_follow_their_links() {
 
 #[test]
 fn stored_bounds_signs_and_alignment_are_right() {
-    let bytes = write(&odd_clip(), &odd_solids(), "test").unwrap();
+    let bytes = write(&odd_clip(), &odd_solids(), &[], "test").unwrap();
     assert_eq!(bytes.len() % 4, 0);
     assert_eq!(u32::from_le_bytes(bytes[8..12].try_into().unwrap()) as usize, bytes.len());
     let document = Document::read(&bytes);
@@ -236,25 +236,31 @@ fn stored_bounds_signs_and_alignment_are_right() {
 #[test]
 fn the_same_clip_gives_the_same_bytes() {
     let clip = odd_clip();
-    assert_eq!(write(&clip, &odd_solids(), "a").unwrap(), write(&clip, &odd_solids(), "a").unwrap());
+    assert_eq!(
+        write(&clip, &odd_solids(), &[], "a").unwrap(),
+        write(&clip, &odd_solids(), &[], "a").unwrap()
+    );
 }
 
 #[test]
 fn what_gltf_cannot_hold_is_refused() {
     let clip = odd_clip();
     let ball = |radius: f64| Shape::Sphere { center: Vec3::zeros(), radius };
-    assert!(matches!(write(&clip, &[(6, ball(1.0))], "x"), Err(GlbError::Link { link: 6, links: 6, .. })));
+    assert!(matches!(
+        write(&clip, &[(6, ball(1.0))], &[], "x"),
+        Err(GlbError::Link { link: 6, links: 6, .. })
+    ));
     for radius in [0.0, -1.0, f64::NAN, f64::INFINITY] {
-        let error = write(&clip, &[(3, ball(radius))], "x").unwrap_err().to_string();
+        let error = write(&clip, &[(3, ball(radius))], &[], "x").unwrap_err().to_string();
         assert_eq!(error, "solid 0 on `link 3` has a radius or edge that is not a positive number");
     }
     let mut broken = clip.clone();
     broken.pose_mut(4)[0] = f64::NAN;
-    assert!(matches!(write(&broken, &[], "x"), Err(GlbError::NotFinite { frame: 4, .. })));
+    assert!(matches!(write(&broken, &[], &[], "x"), Err(GlbError::NotFinite { frame: 4, .. })));
     let rooted =
         Skeleton::new(vec![Link::new("post", None, Vec3::zeros(), Joint::Revolute(Vec3::y()))]).unwrap();
     let long = Clip::new(Arc::new(rooted), 1e3, vec![0.0; 20_000_000]);
-    assert!(matches!(write(&long, &[], "x"), Err(GlbError::TooLong { .. })));
+    assert!(matches!(write(&long, &[], &[], "x"), Err(GlbError::TooLong { .. })));
 }
 
 /// Files for a validator: `GLB_OUT=folder cargo test -p motion --test glb`.
@@ -272,7 +278,7 @@ fn files_are_written_where_asked() {
         ("odd", &odd_clip(), odd_solids()),
     ] {
         let path = folder.join(format!("{name}.glb"));
-        motion::format::glb::write_file(&path, clip, &solids, name).unwrap();
-        assert_eq!(std::fs::read(&path).unwrap(), write(clip, &solids, name).unwrap());
+        motion::format::glb::write_file(&path, clip, &solids, &[], name).unwrap();
+        assert_eq!(std::fs::read(&path).unwrap(), write(clip, &solids, &[], name).unwrap());
     }
 }

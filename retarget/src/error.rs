@@ -91,6 +91,17 @@ pub enum RetargetError {
         /// The character.
         character: String,
     },
+    /// A character whose contact points follow no human one.
+    #[error(
+        "none of the {} contact points of `{character}` ({}) follows a human one; name for each when it touches, such as `follows: {{ \"{}\": Any([\"heel_l\", \"ball_l\"]) }}`",
+        .points.len(), .points.join(", "), .points.first().map_or("", String::as_str)
+    )]
+    NothingFollows {
+        /// The character.
+        character: String,
+        /// Its contact points.
+        points: Vec<String>,
+    },
     /// A contact point whose site does not exist.
     #[error("contact point at site {site}: the skeleton has only {sites} sites")]
     ContactSite {

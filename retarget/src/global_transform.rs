@@ -65,6 +65,10 @@ impl Scale {
         let ratio = |a: Vec3, b: Vec3| a.component_div(&b.map(|x| x.max(1e-9)));
         let per_axis = ratio(speed(own, &puppet.features), speed(human, &performer.features));
         let size = match size {
+            SizeRatio::Stride => {
+                let most = stride(own, human);
+                Vec3::new(per_axis.x.min(most), per_axis.y, per_axis.z.min(most))
+            }
             SizeRatio::PerAxis => per_axis,
             SizeRatio::Uniform => {
                 let both = 0.5 * (per_axis.x + per_axis.z);
@@ -81,6 +85,32 @@ impl Scale {
         let turn = Quat::from_axis_angle(&Vec3::y_axis(), heading);
         turn * (turn.inverse() * v).component_mul(&self.size)
     }
+}
+
+/// How much farther one body steps than another: legs, or heights at rest.
+fn stride(own: &Character, human: &Character) -> f64 {
+    match (leg(own), leg(human)) {
+        (Some(a), Some(b)) => a / b,
+        _ => height(own) / height(human).max(1e-9),
+    }
+}
+
+/// Mean length of the legs, hip to ankle, m.
+fn leg(c: &Character) -> Option<f64> {
+    let length = |link: usize| c.skeleton.links()[link].parent_from_zero.translation.vector.norm();
+    let legs: Vec<f64> = c.legs().map(|l| length(l.lower) + length(l.end)).collect();
+    (!legs.is_empty()).then(|| legs.iter().sum::<f64>() / legs.len() as f64)
+}
+
+/// Height of the highest joint, site or end of a link above the lowest contact point at rest, m.
+fn height(c: &Character) -> f64 {
+    let (s, k) = (&c.skeleton, Kinematics::new(&c.skeleton, &c.rest));
+    let sites = c.contacts.iter().map(|&i| &s.sites()[i]);
+    let lowest = sites.map(|s| k.point(s.link, &s.at).y).reduce(f64::min);
+    let links = s.links().iter().enumerate();
+    let ends = links.flat_map(|(i, l)| [Some(k.origin(i)), l.end.map(|e| k.point(i, &e))]);
+    let points = ends.flatten().chain(s.sites().iter().map(|s| k.point(s.link, &s.at)));
+    points.map(|p| p.y).fold(f64::NEG_INFINITY, f64::max) - lowest.unwrap_or(0.0)
 }
 
 /// The rest pose in the local frame.

@@ -14,6 +14,7 @@
 //! | [`fit`] | joint angles from feature points |
 //! | [`mod@global_transform`] | where the body goes |
 //! | [`contacts`] | contact phases, contact adjustment |
+//! | [`mod@sway`] | parts that follow by dynamics |
 //! | [`mod@refine`] | physics and collisions |
 //! | [`mod@guess`] | a first guess for a new key pose |
 //! | [`live`] | frame by frame as it happens |
@@ -44,6 +45,7 @@ pub mod refine;
 pub mod result;
 pub mod subject;
 mod suggest;
+pub mod sway;
 
 pub use contacts::Phase;
 pub use error::RetargetError;
@@ -59,5 +61,6 @@ pub use options::{
 };
 pub use pipeline::{run, run_with};
 pub use prepare::prepare;
-pub use result::{ContactReport, MappingReport, MomentumReport, RefinementReport, Retargeted};
+pub use result::{ContactReport, MappingReport, MomentumReport, RefinementReport, Retargeted, SwayReport};
 pub use subject::{ContactPoint, Follow, Performer, Puppet};
+pub use sway::{Sway, sway};

@@ -26,9 +26,13 @@ pub enum Stage {
 /// How distances of travel scale.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub enum SizeRatio {
+    /// [`SizeRatio::PerAxis`], but along width and depth no more than the ratio of the legs' lengths, or where one of the
+    /// two has no legs of the heights at rest: the paper's ratio counts joints more than it counts
+    /// lengths, and steps longer than the legs end in the air.
+    #[default]
+    Stride,
     /// As in the paper, per axis of the local frame: mean speed of the feature points when every degree of
     /// freedom turns at unit rate, one by one.
-    #[default]
     PerAxis,
     /// The mean of depth and width for both: paths keep their shape.
     Uniform,
@@ -47,7 +51,7 @@ pub struct GlobalOptions {
 
 impl Default for GlobalOptions {
     fn default() -> Self {
-        Self { size: SizeRatio::PerAxis, drift_hz: 0.25 }
+        Self { size: SizeRatio::Stride, drift_hz: 0.25 }
     }
 }
 
@@ -76,11 +80,18 @@ pub enum RefineDofs {
     /// The height of the root: the paper's choice.
     #[default]
     RootHeight,
-    /// The six of the root and those of all links between it and a contact point.
+    /// The six of the root.
+    Root,
+    /// The six of the root and those of all links between it and a contact point that ever touches. Where those lie on the
+    /// root itself, as under a lamp, the links that carry at least half of the other mass: they move the body against its
+    /// foot as legs do.
     RootAndLegs,
     /// Those of the named links (a free root gives six), and the root's height.
     Links(Vec<String>),
 }
+
+/// Weight of the friction cone, see [`RefineOptions::cone`].
+pub const CONE: f64 = 10.0;
 
 /// Options of the physics refinement.
 #[derive(Clone, Debug, PartialEq)]
@@ -91,6 +102,9 @@ pub struct RefineOptions {
     pub k1: f64,
     /// Weight of the negative log-likelihood, `k2` of (11).
     pub k2: f64,
+    /// Weight of what leaves the friction cone against the force mismatch; by default [`CONE`] where something moves that can
+    /// change horizontal forces, and 1 for the root's height alone, which cannot.
+    pub cone: Option<f64>,
     /// Distance of the basis functions, s.
     pub spacing_s: f64,
     /// Depth at which the standing body rests in the penalty ground, m.
@@ -114,7 +128,8 @@ impl Default for RefineOptions {
             dofs: RefineDofs::RootHeight,
             k1: 1e-5,
             k2: 1.0,
-            spacing_s: 1.0 / 30.0,
+            cone: None,
+            spacing_s: 0.05,
             sink_m: 0.0015,
             friction: dynamics::penalty::FRICTION,
             obstacles: Vec::new(),
@@ -125,8 +140,14 @@ impl Default for RefineOptions {
     }
 }
 
+/// Frequency at which half of the mapped motion's amplitude passes, Hz.
+///
+/// What a model says of two frames next to each other need not be a motion that a body can do: unsmoothed, dances mapped
+/// onto the lamp ask for eight times its weight from one frame to the next, and no displacement of its root gives that.
+pub const MAPPED_HZ: f64 = 6.0;
+
 /// Options of the pipeline.
-#[derive(Clone, Debug, Default, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Options {
     /// The model.
     pub model: MappingModel,
@@ -138,12 +159,34 @@ pub struct Options {
     pub rate_hz: Option<f64>,
     /// How the human clip is smoothed before anything else.
     pub smoothing: Smoothing,
+    /// How the mapped motion is smoothed, before it travels: the mapping answers frame by frame.
+    pub mapped: Smoothing,
     /// Height of the ground in the human clip, m; by default where its lowest contact points stand.
     pub ground_m: Option<f64>,
     /// Global transform.
     pub global: GlobalOptions,
     /// Contacts.
     pub contact: ContactOptions,
+    /// Whether parts that can follow by dynamics do; otherwise they go as the key poses have it.
+    pub sway: bool,
     /// Refinement.
     pub refine: RefineOptions,
+}
+
+impl Default for Options {
+    fn default() -> Self {
+        Self {
+            model: MappingModel::default(),
+            latent: None,
+            stop_after: Stage::default(),
+            rate_hz: None,
+            smoothing: Smoothing::default(),
+            mapped: Smoothing::CutoffHz(MAPPED_HZ),
+            ground_m: None,
+            global: GlobalOptions::default(),
+            contact: ContactOptions::default(),
+            sway: true,
+            refine: RefineOptions::default(),
+        }
+    }
 }

@@ -1,13 +1,13 @@
-//! The pipeline: mapping, global transform, contacts, refinement, one page from top to bottom.
+//! The pipeline: mapping, global transform, contacts, swaying parts, refinement, one page from top to bottom.
 
-use motion::Clip;
+use motion::{Clip, Smoothing, smooth};
 
 use crate::contacts::{adjust, phases};
 use crate::global_transform::global_transform;
 use crate::mapping::{Mapping, map_clip};
 use crate::options::Stage;
 use crate::refine::refine;
-use crate::{KeyPoses, Options, Performer, Puppet, RetargetError, Retargeted, prepare};
+use crate::{KeyPoses, Options, Performer, Puppet, RetargetError, Retargeted, prepare, sway};
 
 /// Learns a mapping from key poses and puts a human motion on a puppet with it.
 ///
@@ -39,6 +39,7 @@ pub fn run_with(
 ) -> Result<Retargeted, RetargetError> {
     let human = prepare(clip, performer, options.rate_hz, options.smoothing, options.ground_m)?;
     let (mapped, report) = map_clip(mapping, performer, &human, puppet)?;
+    let mapped = smoothed(mapped, options.mapped);
     let mut out = Retargeted {
         clip: mapped.clone(),
         stages: vec![(Stage::Map, mapped)],
@@ -47,6 +48,7 @@ pub fn run_with(
         momentum: None,
         phases: Vec::new(),
         contact: None,
+        sway: None,
         refinement: None,
     };
     if options.stop_after == Stage::Map {
@@ -59,11 +61,19 @@ pub fn run_with(
         return Ok(out);
     }
     out.phases = phases::find(performer, &out.human, puppet, &options.contact)?;
+    if options.contact.phases.is_none() {
+        out.phases = phases::landing(puppet, &out.clip, &out.phases)?;
+    }
     let (held, contact) = adjust(puppet, &out.clip, &out.phases)?;
     out.reached(Stage::Contact, held);
     out.contact = Some(contact);
     if options.stop_after == Stage::Contact {
         return Ok(out);
+    }
+    if options.sway && !puppet.sways.is_empty() {
+        let (swung, report) = sway(puppet, &out.clip);
+        out.clip = swung;
+        out.sway = Some(report);
     }
     let mut options = options.refine.clone();
     options.accepted.extend(mapping.poses.iter().cloned());
@@ -71,6 +81,19 @@ pub fn run_with(
     out.reached(Stage::Refine, refined);
     out.refinement = Some(refinement);
     Ok(out)
+}
+
+/// A mapped motion as a body moves, within its limits.
+fn smoothed(clip: Clip, smoothing: Smoothing) -> Clip {
+    if smoothing == Smoothing::Off {
+        return clip;
+    }
+    let mut out = smooth(&clip, smoothing).clip;
+    let skeleton = out.skeleton.clone();
+    for i in 0..out.frames() {
+        skeleton.clamp_to_limits(out.pose_mut(i));
+    }
+    out
 }
 
 impl Retargeted {

@@ -22,6 +22,8 @@ pub struct Retargeted {
     pub phases: Vec<Phase>,
     /// Numbers of the contact adjustment; `None` if stopped before.
     pub contact: Option<ContactReport>,
+    /// How far parts swayed; `None` if none could or should, or if stopped before.
+    pub sway: Option<SwayReport>,
     /// Numbers of the refinement; `None` if stopped before.
     pub refinement: Option<RefinementReport>,
 }
@@ -71,8 +73,17 @@ pub struct ContactReport {
     pub slip_m: f64,
     /// Deepest penetration of a contact point, m.
     pub penetration_m: f64,
-    /// Largest third difference near phase ends over the source's, both of the contact points.
+    /// Largest third difference near phase ends over that of the mapped motion, both of the contact points.
     pub jerk_ratio: f64,
+}
+
+/// How far parts that follow by dynamics left their keyed poses.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct SwayReport {
+    /// Joints that sway.
+    pub links: usize,
+    /// Farthest turn of a joint from its keyed pose, rad.
+    pub most_rad: f64,
 }
 
 /// Force mismatch and what it cost.

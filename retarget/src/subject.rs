@@ -8,8 +8,8 @@ use std::sync::Arc;
 use dynamics::{BodyOptions, Character, guess_body_of_clip};
 use motion::Clip;
 
-use crate::RetargetError;
 use crate::features::Features;
+use crate::{RetargetError, Sway};
 
 /// A human body and the points that tell its pose.
 #[derive(Clone, Debug, PartialEq)]
@@ -71,17 +71,25 @@ pub struct Puppet {
     pub features: Features,
     /// Its contact points.
     pub contacts: Vec<ContactPoint>,
+    /// Parts that can follow by dynamics; none unless they are put here.
+    pub sways: Vec<Sway>,
 }
 
 impl Puppet {
     /// A puppet with three virtual markers a link and a root frame read from its rest pose.
     ///
     /// # Errors
-    /// No contact point; a contact point without a counterpart, or whose site does not exist.
+    /// No contact point, or none that follows; a contact point without a counterpart, or whose site does not exist.
     pub fn new(character: Character, contacts: Vec<ContactPoint>) -> Result<Self, RetargetError> {
         let features = Features::virtual_markers(&character);
         if contacts.is_empty() {
-            return Err(RetargetError::NoContactPoint { character: character.name });
+            let site = |&i: &usize| character.skeleton.sites()[i].name.clone();
+            let points: Vec<String> = character.contacts.iter().map(site).collect();
+            let character = character.name;
+            return Err(match points.is_empty() {
+                true => RetargetError::NoContactPoint { character },
+                false => RetargetError::NothingFollows { character, points },
+            });
         }
         let sites = character.skeleton.sites();
         for c in &contacts {
@@ -92,6 +100,6 @@ impl Puppet {
                 return Err(RetargetError::NoCounterpart { site: site.name.clone() });
             }
         }
-        Ok(Self { character: Arc::new(character), features, contacts })
+        Ok(Self { character: Arc::new(character), features, contacts, sways: Vec::new() })
     }
 }

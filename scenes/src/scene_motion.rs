@@ -5,11 +5,11 @@
 
 use std::path::{Path, PathBuf};
 
-use retarget::MappingModel;
+use retarget::{GlobalOptions, MappingModel, RefineDofs, RefineOptions, SizeRatio};
 
 use crate::SceneError;
 use crate::scene::Check;
-use crate::schema::{ModelRon, MotionRon, SceneRon, StopAfterRon};
+use crate::schema::{ModelRon, MotionRon, RefineRon, SceneRon, SizeRon, StopAfterRon};
 
 /// A human motion to be put on the character of a scene.
 #[derive(Clone, Debug)]
@@ -27,7 +27,8 @@ pub struct SceneMotion {
 impl Check<'_> {
     /// The human motion of a scene that has no script of its own.
     pub(crate) fn motion(&self, ron: &SceneRon, character: &Path) -> Result<Option<SceneMotion>, SceneError> {
-        let Some(MotionRon::Retarget { of, keyposes, model, stop_after }) = &ron.motion else {
+        let Some(MotionRon::Retarget { of, keyposes, model, stop_after, size, refine, sway }) = &ron.motion
+        else {
             return Ok(None);
         };
         for (field, used) in [
@@ -60,8 +61,32 @@ impl Check<'_> {
                     StopAfterRon::Contact => retarget::Stage::Contact,
                     StopAfterRon::Refine => retarget::Stage::Refine,
                 },
+                global: GlobalOptions { size: self.size(*size)?, ..GlobalOptions::default() },
+                refine: RefineOptions {
+                    dofs: match refine {
+                        RefineRon::RootHeight => RefineDofs::RootHeight,
+                        RefineRon::Root => RefineDofs::Root,
+                        RefineRon::RootAndLegs => RefineDofs::RootAndLegs,
+                        RefineRon::Links(names) => RefineDofs::Links(names.clone()),
+                    },
+                    ..RefineOptions::default()
+                },
+                sway: *sway,
                 ..retarget::Options::default()
             },
         }))
+    }
+
+    fn size(&self, size: SizeRon) -> Result<SizeRatio, SceneError> {
+        Ok(match size {
+            SizeRon::Stride => SizeRatio::Stride,
+            SizeRon::PerAxis => SizeRatio::PerAxis,
+            SizeRon::Uniform => SizeRatio::Uniform,
+            SizeRon::Fixed(x) if x > 0.0 && x.is_finite() => SizeRatio::Fixed(x),
+            SizeRon::Fixed(x) => {
+                let e = format!("the size ratio is {x}; allowed: positive numbers");
+                return Err(self.source.error("motion.size", e));
+            }
+        })
     }
 }

@@ -216,7 +216,40 @@ pub enum MotionRon {
         /// The last stage.
         #[serde(default)]
         stop_after: StopAfterRon,
+        /// How distances of travel scale.
+        #[serde(default)]
+        size: SizeRon,
+        /// What the refinement may move.
+        #[serde(default)]
+        refine: RefineRon,
+        /// Whether parts that can follow by dynamics do.
+        #[serde(default = "yes")]
+        sway: bool,
     },
+}
+
+/// How distances of travel scale.
+#[derive(Clone, Copy, Debug, Default, Deserialize)]
+#[serde(rename = "size")]
+#[expect(missing_docs, reason = "documented in retarget::SizeRatio")]
+pub enum SizeRon {
+    #[default]
+    Stride,
+    PerAxis,
+    Uniform,
+    Fixed(f64),
+}
+
+/// What the refinement may move.
+#[derive(Clone, Debug, Default, Deserialize)]
+#[serde(rename = "refine")]
+#[expect(missing_docs, reason = "documented in retarget::RefineDofs")]
+pub enum RefineRon {
+    #[default]
+    RootHeight,
+    Root,
+    RootAndLegs,
+    Links(Vec<String>),
 }
 
 /// The statistical model of a mapping.

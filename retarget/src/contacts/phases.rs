@@ -4,7 +4,8 @@
 //! [`LEAVE`] times either. Heights are above the ground, speeds by central differences of positions; both
 //! thresholds are those of a figure of standard size and scale with the performer's legs. Gaps and phases
 //! shorter than [`ContactOptions::shortest_s`] are closed and dropped, in this order. A character's point
-//! takes the phases of its counterparts, any or all of them, and the same again.
+//! takes the phases of its counterparts, any or all of them, and the same again; of those the character could only
+//! keep by flipping a foot, the short ones are dropped ([`landing`]).
 
 use motion::names::hint;
 use motion::{Clip, Kinematics, Vec3};
@@ -13,6 +14,11 @@ use super::Phase;
 use super::paths::Span;
 use crate::options::ContactOptions;
 use crate::{ContactPoint, Follow, Performer, Puppet, RetargetError};
+
+/// A phase no longer than this is dropped where its link is too steep for it, s.
+const SHORT_S: f64 = 0.3;
+/// Sine of the angle between a link's resting points from which on it is too steep.
+const STEEP: f64 = 0.25;
 
 /// A contact ends above this multiple of the thresholds that began it.
 pub const LEAVE: f64 = 1.3;
@@ -72,12 +78,17 @@ fn tidy(on: &mut [bool], shortest: usize) {
 }
 
 /// Performer's contacts that a counterpart names: the site itself, or all whose name it begins, up to an
-/// underscore.
+/// underscore, or all of a limb.
 fn counterparts(performer: &Performer, name: &str) -> Vec<usize> {
     let c = &performer.character;
     let site = |i: usize| c.skeleton.sites()[c.contacts[i]].name.as_str();
     let matches = |s: &str| s == name || s.strip_prefix(name).is_some_and(|rest| rest.starts_with('_'));
-    (0..c.contacts.len()).filter(|&i| matches(site(i))).collect()
+    let named: Vec<usize> = (0..c.contacts.len()).filter(|&i| matches(site(i))).collect();
+    let Some(limb) = c.skeleton.limbs().iter().find(|l| l.name == name).filter(|_| named.is_empty()) else {
+        return named;
+    };
+    let link = |i: usize| c.skeleton.sites()[c.contacts[i]].link;
+    (0..c.contacts.len()).filter(|&i| c.skeleton.ancestors(link(i)).any(|l| l == limb.upper)).collect()
 }
 
 /// For each counterpart of a contact point, the performer's contacts it stands for.
@@ -96,6 +107,7 @@ pub fn groups(
         }
         let c = &performer.character;
         let known = c.contacts.iter().map(|&s| c.skeleton.sites()[s].name.as_str());
+        let known = known.chain(c.skeleton.limbs().iter().map(|l| l.name.as_str()));
         let site = puppet.character.skeleton.sites()[point.site].name.clone();
         Err(RetargetError::Counterpart { site, hint: hint(human, known), human: human.clone() })
     };
@@ -143,6 +155,40 @@ pub fn find(
                 out.push(Phase { point: name.clone(), from_s: at(i), to_s: at(i + run - 1) });
             }
             i += run;
+        }
+    }
+    Ok(out)
+}
+
+/// Drops short phases that would flip a foot: of a heel that touches for a tenth of a second where the character's foot points
+/// down (the lower point of the link is the one to land), or that has let go again before the toes touch.
+///
+/// * `clip`: the character's, in the world
+///
+/// # Errors
+/// As [`spans`].
+pub fn landing(puppet: &Puppet, clip: &Clip, found: &[Phase]) -> Result<Vec<Phase>, RetargetError> {
+    let spans = spans(puppet, found, clip)?;
+    let paths = super::point_paths(puppet, clip);
+    let sites = puppet.character.skeleton.sites();
+    let site = |c: usize| &sites[puppet.contacts[c].site];
+    let mean = |c: usize, s: &Span| {
+        paths[c][s.first..=s.last].iter().map(|p| p.y).sum::<f64>() / (s.last - s.first + 1) as f64
+    };
+    let tilted = |c: usize, s: &Span| {
+        let beside = |o: &usize| *o != c && site(*o).link == site(c).link && !spans[*o].is_empty();
+        let others: Vec<usize> = (0..paths.len()).filter(beside).collect();
+        let slope = |o: &usize| (mean(c, s) - mean(*o, s)) / (site(c).at - site(*o).at).norm().max(1e-6);
+        let overlaps = |o: &usize| spans[*o].iter().any(|t| t.first <= s.last && s.first <= t.last);
+        let alone = !others.is_empty() && !others.iter().any(overlaps);
+        (s.last - s.first) as f64 <= SHORT_S * clip.rate_hz
+            && (alone || others.iter().map(slope).any(|x| x > STEEP))
+    };
+    let at = |frame: usize| frame as f64 / clip.rate_hz;
+    let mut out = Vec::new();
+    for (c, spans) in spans.iter().enumerate() {
+        for s in spans.iter().filter(|s| !tilted(c, s)) {
+            out.push(Phase { point: site(c).name.clone(), from_s: at(s.first), to_s: at(s.last) });
         }
     }
     Ok(out)

@@ -48,6 +48,8 @@ const SETTLE: usize = 2;
 const HELD_ROOT: f64 = 10.0;
 /// Most steps.
 const STEPS: usize = 30;
+/// Steps taken in full.
+const HURRY: usize = 10;
 /// A step below this, rad or m, is the last.
 const STILL: f64 = 1e-8;
 
@@ -163,8 +165,8 @@ impl Reach {
                 break;
             }
             let largest = self.step.iter().fold(0.0f64, |m, x| m.max(x.abs()));
-            // half a radian at most: farther the linearisation means nothing
-            let share = (0.5 / largest.max(1e-12)).min(1.0);
+            // half a radian at most: farther the linearisation means nothing; and less where limits keep throwing it about
+            let share = (0.5 / largest.max(1e-12)).min(if step < HURRY { 1.0 } else { 0.5 });
             self.skeleton.integrate(q, &self.step, share);
             if largest < STILL && step > SETTLE {
                 break;

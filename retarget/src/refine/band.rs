@@ -21,6 +21,13 @@ impl Band {
         Self { n, width, rows: vec![0.0; n * (width + 1)] }
     }
 
+    /// All zero again, of another size.
+    pub fn reset(&mut self, n: usize, width: usize) {
+        (self.n, self.width) = (n, width.min(n.saturating_sub(1)));
+        self.rows.clear();
+        self.rows.resize(n * (self.width + 1), 0.0);
+    }
+
     /// Rows.
     pub fn len(&self) -> usize {
         self.n

@@ -4,13 +4,17 @@
 //! Gaussian radial basis functions of the chosen degrees of freedom, whose weights minimise
 //!
 //! ```text
-//! Z = ½ wᵀw + k₁ Z_p + k₂ Z_m + slip + limits + collisions                                          (11)
+//! Z = ½ wᵀw + k₁ (Z_p + κ Z_c) + k₂ Z_m + slip + limits + collisions                                (11)
 //! Z_p = ½ Σ_frames |F − F̂|² + |N − N̂|²/ℓ²                                                          (12)
+//! Z_c = ½ Σ_frames in contact max(0, |F_xz| − μ' F_y)²
 //! Z_m = ½ Σ_frames dt/τ · mean_points |p − p₀|²/σ²                                                 (15)
 //! ```
 //!
 //! - *Z_p*: see [`physics`]. Forces count as those of a body of [`REFERENCE_KG`], so that k₁ means the same for a lamp
 //!   and a man; ℓ is the radius of gyration about X in the rest pose.
+//! - *Z_c*: the required force outside the cone of μ' = [`CONE_SHARE`] μ. Z_p knows of the cone only what its friction can
+//!   give: a force that is far outside is missed by nearly as much whether its vertical part is there or not, and where a
+//!   flight is made steeper the frames next to it lose weight on their feet before they lose their horizontal force.
 //! - *Z_m*: the mapping's variance σ² (never below [`LEAST_DEVIATION_M`]²) about the pose that is refined, not about
 //!   the mapping's mean: that one knows nothing of where the feet were put, and would pull them off. \[YAH10\] sums over
 //!   frames and points as if they erred independently. A body that is mapped too low has all its points too low, for
@@ -21,8 +25,9 @@
 //!   the body with itself, the ground and the scene ([`solids`]).
 //!
 //! *Solution.* Levenberg–Marquardt. Two functions act together only within 16 spacings: with the unknowns in the order
-//! of time the normal equations are banded, and cost grows linearly with length. Rates and accelerations of the displaced
-//! clip are central differences, as anyone who reads the clip will take them.
+//! of time the normal equations are banded; long clips are solved a stretch at a time ([`windows`]), so that cost grows
+//! linearly with length. Rates and accelerations of the displaced clip are central differences, as anyone who reads the clip
+//! will take them. (Steps on a softer ground first, which is felt from farther above, led to other minima, not lower ones.)
 //!
 //! *Collisions first.* Where bodies penetrate, the joints between the two are moved by a pass of its own, without
 //! forces; which degrees of freedom the physics may move is then still free.
@@ -31,11 +36,15 @@
 
 pub mod band;
 pub mod basis;
+mod local;
 pub mod physics;
 mod problem;
 pub mod solids;
+mod windows;
 
-use dynamics::{Model, Penalty, State};
+use std::ops::Range;
+
+use dynamics::{Character, Model, Penalty, State};
 use motion::names::hint;
 use motion::{Clip, Joint, Kinematics, Vec3};
 
@@ -45,7 +54,7 @@ use crate::options::{RefineDofs, RefineOptions};
 use crate::result::RefinementReport;
 use crate::{Puppet, RetargetError};
 use physics::{Forces, Physics};
-use problem::{Problem, Setting};
+use problem::Setting;
 use solids::Solids;
 
 /// Mass as whose forces a mismatch counts, kg.
@@ -55,7 +64,11 @@ pub const LEAST_DEVIATION_M: f64 = 0.01;
 /// Time over which the mapping errs in the same way, τ, s.
 pub const INDEPENDENT_S: f64 = 0.5;
 /// Slip that costs one half, m.
-pub const SLIP_M: f64 = 0.0005;
+pub const SLIP_M: f64 = 0.001;
+/// Share of the friction cone that is aimed at.
+pub const CONE_SHARE: f64 = 0.9;
+/// Stiffness of an anchor over that of [`Penalty::for_body`], whose friction is used up only after 3 mm of slip.
+const GRIP: f64 = 4.0;
 /// Gravity, m/s².
 pub const GRAVITY: f64 = 9.81;
 /// Share of the damping of [`Penalty::for_body`] that is kept: nothing is simulated here, and what a heel that is put
@@ -89,6 +102,7 @@ pub fn refine(
     let mut penalty = Penalty::for_body(c.mass(), GRAVITY, standing_on(&anchors), options.sink_m)?;
     penalty.mu = options.friction;
     penalty.k_d *= DAMPING;
+    penalty.k_tp *= GRIP;
     let length_m = gyration(puppet);
     let solids = Solids::new(puppet, &options.obstacles, &options.accepted);
     let setting = Setting {
@@ -102,9 +116,10 @@ pub fn refine(
     };
     let mut out = clip.clone();
     let mut iterations = 0;
-    let (before_m, links) = collisions(&solids, clip);
+    let (before_m, touching) = collisions(&solids, clip);
     if options.collisions && before_m > TOUCH_M {
-        let dofs = joints_between(puppet, &links);
+        let giving = |s: Range<usize>| joints_between(puppet, s.flat_map(|i| &touching[i]));
+        let dofs = giving(0..clip.frames());
         if !dofs.is_empty() {
             let wide = RefineOptions {
                 spacing_s: COLLISION_SPACING_S,
@@ -112,14 +127,14 @@ pub fn refine(
                 ..options.clone()
             };
             let setting = Setting { options: &wide, ..setting };
-            iterations += Problem::new(setting, &out, dofs, false).solve(&mut out)?;
+            iterations += windows::solve(setting, &mut out, &dofs, false, &|s| giving(s.counted.clone()))?;
         }
     }
     // the root's height alone can do nothing about a hand in a hip
-    let setting =
-        Setting { solids: setting.solids.filter(|_| options.dofs != RefineDofs::RootHeight), ..setting };
-    let dofs = chosen(puppet, &options.dofs)?;
-    iterations += Problem::new(setting, &out, dofs, true).solve(&mut out)?;
+    let alone = matches!(options.dofs, RefineDofs::RootHeight | RefineDofs::Root);
+    let setting = Setting { solids: setting.solids.filter(|_| !alone), ..setting };
+    let dofs = chosen(puppet, &options.dofs, &spans)?;
+    iterations += windows::solve(setting, &mut out, &dofs, true, &|_| dofs.clone())?;
 
     let mut physics = Physics::new(puppet, penalty, Vec3::y() * -GRAVITY);
     let (before, after) = (forces(&mut physics, clip, &anchors), forces(&mut physics, &out, &anchors));
@@ -147,6 +162,19 @@ pub fn refine(
     Ok((out, report))
 }
 
+/// Links that carry at least half of the mass that is not the root's: what moves the body of one that stands on its root.
+fn bulk(c: &Character) -> Vec<usize> {
+    let s = &c.skeleton;
+    let mut carried: Vec<f64> = c.bodies.iter().map(|b| b.mass).collect();
+    for i in (1..carried.len()).rev() {
+        if let Some(p) = s.links()[i].parent {
+            carried[p] += carried[i];
+        }
+    }
+    let whole = carried[0] - c.bodies[0].mass;
+    (1..carried.len()).filter(|&l| carried[l] >= 0.5 * whole && s.links()[l].joint.nv() > 0).collect()
+}
+
 fn check(o: &RefineOptions) -> Result<(), RetargetError> {
     let positive = |name: &'static str, value: f64| {
         let allowed = "positive numbers";
@@ -159,6 +187,10 @@ fn check(o: &RefineOptions) -> Result<(), RetargetError> {
     positive("the spacing of the basis functions (s)", o.spacing_s)?;
     positive("k1", o.k1)?;
     positive("k2", o.k2)?;
+    if let Some(value) = o.cone.filter(|c| !(*c >= 0.0 && c.is_finite())) {
+        let (name, allowed) = ("the weight of the friction cone", "0 and positive numbers");
+        return Err(RetargetError::Option { name, value, allowed });
+    }
     positive("the coefficient of friction", o.friction)
 }
 
@@ -230,15 +262,19 @@ fn root_way(puppet: &Puppet, a: &[f64], b: &[f64]) -> f64 {
     (s.position(a, 0) - s.position(b, 0)).norm()
 }
 
-/// Deepest penetration of a clip, m, and the pairs of links that penetrate at all.
-fn collisions(solids: &Solids, clip: &Clip) -> (f64, Vec<(usize, Option<usize>)>) {
-    let (mut deepest, mut pairs) = (0.0f64, Vec::new());
+/// A link, and the other one; `None` is the scene.
+type Pair = (usize, Option<usize>);
+
+/// Deepest penetration of a clip, m, and in every frame the pairs of links that penetrate at all.
+fn collisions(solids: &Solids, clip: &Clip) -> (f64, Vec<Vec<Pair>>) {
+    let (mut deepest, mut all) = (0.0f64, Vec::new());
     let mut k = Kinematics::new(&clip.skeleton, &clip.skeleton.zero_pose());
     let mut found = Vec::new();
     for i in 0..clip.frames() {
         k.update(&clip.skeleton, clip.pose(i));
         found.clear();
         solids.touches(&k, &mut found);
+        let mut pairs = Vec::new();
         for t in found.iter().filter(|t| t.depth_m > TOUCH_M) {
             deepest = deepest.max(t.depth_m);
             let pair = (t.first.0, t.second.map(|s| s.0));
@@ -246,16 +282,22 @@ fn collisions(solids: &Solids, clip: &Clip) -> (f64, Vec<(usize, Option<usize>)>
                 pairs.push(pair);
             }
         }
+        all.push(pairs);
     }
-    (deepest, pairs)
+    (deepest, all)
 }
 
 /// Degrees of freedom between two links of each pair, or between a link and the root.
-fn joints_between(puppet: &Puppet, pairs: &[(usize, Option<usize>)]) -> Vec<usize> {
+fn joints_between<'p>(puppet: &Puppet, pairs: impl Iterator<Item = &'p Pair>) -> Vec<usize> {
     let s = &puppet.character.skeleton;
     let chain = |link: usize| -> Vec<usize> { s.ancestors(link).collect() };
     let mut links: Vec<usize> = Vec::new();
+    let mut seen = Vec::new();
     for &(a, b) in pairs {
+        if seen.contains(&(a, b)) {
+            continue;
+        }
+        seen.push((a, b));
         let (a, b) = (chain(a), b.map(chain).unwrap_or_default());
         links.extend(a.iter().filter(|l| !b.contains(l)));
         links.extend(b.iter().filter(|l| !a.contains(l)));
@@ -273,7 +315,9 @@ fn joints_between(puppet: &Puppet, pairs: &[(usize, Option<usize>)]) -> Vec<usiz
 }
 
 /// Degrees of freedom that the physics may move.
-fn chosen(puppet: &Puppet, dofs: &RefineDofs) -> Result<Vec<usize>, RetargetError> {
+///
+/// * `spans`: contact phases of each point
+fn chosen(puppet: &Puppet, dofs: &RefineDofs, spans: &[Vec<Span>]) -> Result<Vec<usize>, RetargetError> {
     let c = &puppet.character;
     let s = &c.skeleton;
     if s.links()[0].joint != Joint::Free {
@@ -286,12 +330,15 @@ fn chosen(puppet: &Puppet, dofs: &RefineDofs) -> Result<Vec<usize>, RetargetErro
     let of_link = |l: usize| s.v_at(l)..s.v_at(l) + s.links()[l].joint.nv();
     let mut out: Vec<usize> = match dofs {
         RefineDofs::RootHeight => vec![height],
+        RefineDofs::Root => (0..6).collect(),
         RefineDofs::RootAndLegs => {
-            let mut all: Vec<usize> = (0..6).collect();
-            for p in &puppet.contacts {
-                all.extend(s.ancestors(s.sites()[p.site].link).flat_map(of_link));
+            let standing = puppet.contacts.iter().zip(spans).filter(|(_, spans)| !spans.is_empty());
+            let mut links: Vec<usize> =
+                standing.flat_map(|(p, _)| s.ancestors(s.sites()[p.site].link)).filter(|&l| l != 0).collect();
+            if links.is_empty() {
+                links = bulk(c);
             }
-            all
+            (0..6).chain(links.into_iter().flat_map(of_link)).collect()
         }
         RefineDofs::Links(names) => {
             let mut all = vec![height];

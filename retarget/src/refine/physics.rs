@@ -43,7 +43,8 @@ struct Point {
     at: Vec3,
 }
 
-/// Slopes of the residual by δ, δ̇ and δ̈: `6 × nv` each.
+/// Slopes by δ, δ̇ and δ̈, `9 × nv` each: of the residual, then of the required force along the axes of the root's zero
+/// frame.
 #[derive(Clone, Debug)]
 pub struct Slopes {
     /// By δ, δ̇, δ̈.
@@ -143,7 +144,8 @@ impl Physics {
         self.derivatives.update(&self.model, &self.state, v, vd, &[]);
         let d = &self.derivatives;
         for (to, from) in out.by.iter_mut().zip([&d.q, &d.v, &d.vd]) {
-            to.copy_from(&from.rows(0, 6));
+            to.rows_mut(0, 6).copy_from(&from.rows(0, 6));
+            to.rows_mut(6, 3).copy_from(&from.rows(0, 3));
         }
         let zero = self.model.skeleton.links()[0].parent_from_zero.rotation.inverse();
         let origin = self.k.origin(0);
@@ -197,7 +199,7 @@ impl Physics {
                 continue;
             }
             let (w, wd) = (vec_at(v, from), vec_at(vd, from));
-            for row in 0..6 {
+            for row in 0..9 {
                 let of = |m: &DMatrix<f64>| Vec3::from_fn(|i, _| m[(row, from + i)]);
                 let (by_v, by_a) = (of(&out.by[1]), of(&out.by[2]));
                 // s·(e × w) = e·(w × s)
@@ -214,7 +216,7 @@ impl Physics {
 impl Slopes {
     /// Zero, for `nv` degrees of freedom.
     pub fn new(nv: usize) -> Self {
-        Self { by: std::array::from_fn(|_| DMatrix::zeros(6, nv)) }
+        Self { by: std::array::from_fn(|_| DMatrix::zeros(9, nv)) }
     }
 }
 

@@ -1,29 +1,33 @@
-//! The least-squares problem of the refinement: cost, banded normal equations, steps.
+//! The least-squares problem of a stretch of a clip: cost, banded normal equations, steps.
 //!
-//! Unknowns `w` in the order of time: basis function i, degree of freedom d at `i·D + d`. In one frame the cost is a
-//! quadratic in `x = (δ, δ̇, δ̈)` of the moved degrees of freedom, with matrix Q (3D × 3D) and gradient g; the
-//! 17 functions that act there carry it to the unknowns: `A_{il} += Σ_ab φᵃ_i φᵇ_l Q_ab`.
+//! Unknowns in the order of time: basis function i of the stretch, degree of freedom d at `i·D + d`. What functions of
+//! other stretches have moved already stays ([`windows`](super::windows)).
+
+use std::ops::Range;
 
 use dynamics::Penalty;
 use motion::{Clip, Derivatives, Kinematics, Vec3};
-use nalgebra::{DMatrix, DVector};
 
 use super::band::Band;
-use super::basis::{Active, Basis};
-use super::physics::{Physics, Slopes};
+use super::basis::{Active, Basis, Stencils};
+use super::local::Local;
+use super::physics::{Forces, Physics, Slopes};
 use super::solids::{Solids, Touch};
-use super::{GRAVITY, INDEPENDENT_S, LEAST_DEVIATION_M, REFERENCE_KG, SLIP_M};
+use super::{CONE_SHARE, GRAVITY, INDEPENDENT_S, LEAST_DEVIATION_M, REFERENCE_KG, SLIP_M};
 use crate::axes::Axes;
 use crate::limits::way_back;
-use crate::options::RefineOptions;
+use crate::options::{CONE, RefineDofs, RefineOptions};
 use crate::{Puppet, RetargetError};
 
 /// Cost of a joint's way beyond its limits, 1/rad².
 const LIMIT: f64 = 1e4;
 /// Cost of a penetration, 1/m²: half at 1 mm.
 const TOUCH: f64 = 1e6;
-/// A step that lowers the cost by less than this share is the last.
+/// A step that lowers the cost by less than this share is the last, unless damping held it back.
 const ENOUGH: f64 = 1e-3;
+
+/// Damping that does not hold a step back.
+const FREE: f64 = 1e-3;
 
 /// What a problem is stated with.
 #[derive(Clone, Copy)]
@@ -37,17 +41,37 @@ pub(super) struct Setting<'a> {
     pub penalty: Penalty,
 }
 
-/// The problem of one clip. See the module header.
+/// A stretch of a clip, and the functions that move it.
+#[derive(Clone, Debug)]
+pub(super) struct Stretch {
+    /// Frames whose cost counts.
+    pub counted: Range<usize>,
+    /// Frames looked at: two more on either side where there are any, for the differences.
+    pub frames: Range<usize>,
+    /// The functions.
+    pub functions: Range<usize>,
+}
+
+/// The problem of one stretch. See the module header.
 pub(super) struct Problem<'a> {
     setting: Setting<'a>,
+    stretch: Stretch,
+    /// The stretch's frames before any displacement.
     base: Clip,
+    /// The degrees of freedom that may move, and those that the stretch moves.
+    all: &'a [usize],
     dofs: Vec<usize>,
     /// Index among the moved of each degree of freedom.
     moved: Vec<Option<usize>>,
-    /// Weight of a newton of mismatch, and per component of the residual.
+    /// Weight of a newton of mismatch, per component of the residual; `None` without forces.
     force: Option<[f64; 6]>,
     physics: Physics,
-    basis: Basis,
+    /// What acts in each frame.
+    active: Vec<Active>,
+    /// Displacement by functions of other stretches, `frames × all`.
+    settled: Vec<f64>,
+    /// Weights to begin with.
+    begin: Vec<f64>,
     /// Feature points of the clip that is refined, per frame.
     reference: Vec<Vec3>,
     k: Kinematics,
@@ -55,48 +79,80 @@ pub(super) struct Problem<'a> {
 }
 
 impl<'a> Problem<'a> {
-    pub fn new(setting: Setting<'a>, base: &Clip, dofs: Vec<usize>, forces: bool) -> Self {
+    /// * `w`: of all functions and degrees of freedom; those that the stretch moves are where it begins
+    pub fn new(
+        setting: Setting<'a>,
+        whole: &Clip,
+        stretch: Stretch,
+        (basis, w): (&Basis, &[f64]),
+        (all, dofs): (&'a [usize], Vec<usize>),
+        forces: bool,
+    ) -> Self {
         let puppet = setting.puppet;
         let s = &puppet.character.skeleton;
+        let (nq, d, rate) = (s.nq(), all.len(), whole.rate_hz);
         let mut moved = vec![None; s.nv()];
         dofs.iter().enumerate().for_each(|(i, &d)| moved[d] = Some(i));
         let unit = setting.options.k1.sqrt() * REFERENCE_KG / puppet.character.mass();
         let weights = std::array::from_fn(|i| if i < 3 { unit } else { unit / setting.length_m });
+        let Range { start, end } = stretch.frames;
+        let base = Clip::new(s.clone(), rate, whole.data()[start * nq..end * nq].to_vec());
+        let stencils = Stencils::new(base.frames(), rate);
+        let mut active = vec![Active::default(); base.frames()];
+        let mut settled = vec![0.0; base.frames() * d];
+        let (every, mut others) = (0..basis.len(), Active::default());
         let mut k = Kinematics::new(s, base.pose(0));
         let mut reference = Vec::new();
         for i in 0..base.frames() {
+            basis.sampled(&stencils, i, start as f64 / rate, &stretch.functions, &mut active[i]);
+            basis.at((start + i) as f64 / rate, &every, &mut others);
+            for (l, phi) in others.phi.iter().enumerate() {
+                let function = others.first + l;
+                let inside = stretch.functions.contains(&function);
+                for j in (0..d).filter(|&j| !inside || moved[all[j]].is_none()) {
+                    settled[i * d + j] += phi[0] * w[function * d + j];
+                }
+            }
             k.update(s, base.pose(i));
             reference.extend(puppet.features.points.iter().map(|p| k.point(p.link, &p.at)));
         }
+        let columns: Vec<usize> = (0..d).filter(|&j| moved[all[j]].is_some()).collect();
+        let begin =
+            stretch.functions.clone().flat_map(|f| columns.iter().map(move |c| w[f * d + *c])).collect();
         Self {
+            begin,
             physics: Physics::new(puppet, setting.penalty, Vec3::y() * -GRAVITY),
-            basis: Basis::new(base.duration_s(), setting.options.spacing_s),
             force: forces.then_some(weights),
             axes: Axes::new(s),
-            base: base.clone(),
+            base,
             setting,
+            stretch,
+            all,
             dofs,
             moved,
+            active,
+            settled,
             reference,
             k,
         }
     }
 
-    /// Moves `out` to the least cost; returns the steps taken.
-    pub fn solve(&mut self, out: &mut Clip) -> Result<usize, RetargetError> {
-        let n = self.basis.len() * self.dofs.len();
+    /// The weights of the stretch that cost least, and the steps taken.
+    pub fn solve(&mut self, scratch: &mut [Band; 2]) -> Result<(Vec<f64>, usize), RetargetError> {
+        let n = self.stretch.functions.len() * self.dofs.len();
         let width = (2 * super::basis::REACH + 1) * self.dofs.len() - 1;
-        let (mut normal, mut factor) = (Band::zeros(n, width), Band::zeros(0, 0));
-        let (mut w, mut gradient) = (vec![0.0; n], vec![0.0; n]);
+        let [normal, factor] = scratch;
+        normal.reset(n, width);
+        let (mut w, mut gradient) = (self.begin.clone(), vec![0.0; n]);
         let mut clip = self.displaced(&w);
         let mut cost = self.cost(&clip, &w);
         let (mut damping, mut steps) = (1e-6, 0);
-        'outer: while steps < self.setting.options.iterations {
-            self.linearise(&clip, &w, &mut normal, &mut gradient);
+        while steps < self.setting.options.iterations {
+            self.linearise(&clip, &w, normal, &mut gradient);
             loop {
                 let mut step: Vec<f64> = gradient.iter().map(|g| -g).collect();
                 // overlapping functions are nearly dependent: rounding may need more damping
-                if let Err(row) = normal.solve(damping, &mut factor, &mut step) {
+                if let Err(row) = normal.solve(damping, factor, &mut step) {
                     damping *= 10.0;
                     if damping > 1e6 {
                         return Err(RetargetError::Singular { row });
@@ -107,38 +163,63 @@ impl<'a> Problem<'a> {
                 let moved = self.displaced(&tried);
                 let lower = self.cost(&moved, &tried);
                 if lower < cost {
-                    let last = cost - lower < ENOUGH * cost;
+                    let last = cost - lower < ENOUGH * cost && damping < FREE;
                     (w, clip, cost) = (tried, moved, lower);
                     damping = (damping * 0.1).max(1e-9);
                     steps += 1;
                     if last {
-                        break 'outer;
+                        return Ok((w, steps));
                     }
                     break;
                 }
                 damping *= 10.0;
                 if damping > 1e6 {
-                    break 'outer;
+                    return Ok((w, steps));
                 }
             }
         }
-        *out = clip;
-        Ok(steps)
+        Ok((w, steps))
     }
 
     fn displaced(&self, w: &[f64]) -> Clip {
         let mut out = self.base.clone();
-        let (mut active, d) = (Active::default(), self.dofs.len());
-        let mut v = vec![0.0; self.base.skeleton.nv()];
-        for i in 0..out.frames() {
-            self.basis.at(i as f64 / out.rate_hz, &mut active);
-            for (j, &dof) in self.dofs.iter().enumerate() {
-                let terms = active.phi.iter().enumerate();
-                v[dof] = terms.map(|(a, phi)| phi[0] * w[(active.first + a) * d + j]).sum();
+        let (skeleton, d) = (self.base.skeleton.clone(), self.dofs.len());
+        let first = self.stretch.functions.start;
+        let mut v = vec![0.0; skeleton.nv()];
+        for (i, active) in self.active.iter().enumerate() {
+            for (&dof, settled) in self.all.iter().zip(&self.settled[i * self.all.len()..]) {
+                v[dof] = *settled;
             }
-            out.skeleton.clone().integrate(out.pose_mut(i), &v, 1.0);
+            for (j, &dof) in self.dofs.iter().enumerate() {
+                let at = |l: usize| w[(active.first + l - first) * d + j];
+                v[dof] += active.phi.iter().enumerate().map(|(l, phi)| phi[0] * at(l)).sum::<f64>();
+            }
+            skeleton.integrate(out.pose_mut(i), &v, 1.0);
         }
         out
+    }
+
+    /// Frames whose cost counts, in the stretch and in the whole clip.
+    fn counted(&self) -> impl Iterator<Item = (usize, usize)> + use<> {
+        let from = self.stretch.frames.start;
+        self.stretch.counted.clone().map(move |frame| (frame - from, frame))
+    }
+
+    /// By how much a force leaves the cone that is aimed at, N, its slope by the force, and whether anything touches.
+    fn beyond_cone(&self, f: &Forces, frame: usize) -> Option<(f64, Vec3)> {
+        if !self.setting.anchors[frame].iter().any(Option::is_some) {
+            return None;
+        }
+        let (mu, across) = (CONE_SHARE * self.setting.options.friction, f.required.x.hypot(f.required.z));
+        let beyond = across - mu * f.required.y;
+        let out = if across > 1e-9 { 1.0 / across } else { 0.0 };
+        (beyond > 0.0).then(|| (beyond, Vec3::new(f.required.x * out, -mu, f.required.z * out)))
+    }
+
+    /// Weight of a newton beyond the cone.
+    fn cone_weight(&self, weights: &[f64; 6]) -> f64 {
+        let alone = if self.setting.options.dofs == RefineDofs::RootHeight { 1.0 } else { CONE };
+        weights[0] * self.setting.options.cone.unwrap_or(alone).sqrt()
     }
 
     /// Weight of a point's squared way in a frame: k₂ dt/(τ n σ²).
@@ -154,11 +235,14 @@ impl<'a> Problem<'a> {
         let mut sum = 0.5 * w.iter().map(|x| x * x).sum::<f64>();
         let points = self.setting.puppet.features.points.len();
         let mut touches: Vec<Touch> = Vec::new();
-        for i in 0..clip.frames() {
+        for (i, frame) in self.counted() {
             let (q, at) = (clip.pose(i), i * nv..(i + 1) * nv);
             if let Some(weights) = self.force {
-                let f = self.physics.forces(q, &d.v[at.clone()], &d.vd[at], &self.setting.anchors[i]);
+                let f = self.physics.forces(q, &d.v[at.clone()], &d.vd[at], &self.setting.anchors[frame]);
                 sum += 0.5 * (0..6).map(|c| (weights[c] * f.residual[c]).powi(2)).sum::<f64>();
+                if let Some((beyond, _)) = self.beyond_cone(&f, frame) {
+                    sum += 0.5 * (self.cone_weight(&weights) * beyond).powi(2);
+                }
             }
             self.k.update(&clip.skeleton, q);
             let away: f64 = self
@@ -170,9 +254,9 @@ impl<'a> Problem<'a> {
                 .zip(&self.reference[i * points..])
                 .map(|(p, r)| (self.k.point(p.link, &p.at) - r).norm_squared())
                 .sum();
-            sum += 0.5 * self.stay(i) * away;
-            let slips = self.slips(i).map(|(_, _, slip)| slip.norm_squared()).sum::<f64>();
-            sum += 0.5 * slips / (SLIP_M * SLIP_M);
+            sum += 0.5 * self.stay(frame) * away;
+            let slips = self.slips(frame).map(|(_, _, slip)| slip.norm_squared()).sum::<f64>();
+            sum += 0.5 * slips / self.slip_m().powi(2);
             let links = 0..clip.skeleton.links().len();
             let beyond: f64 =
                 links.filter_map(|l| way_back(&clip.skeleton, q, l)).map(|e| e.norm_squared()).sum();
@@ -184,6 +268,11 @@ impl<'a> Problem<'a> {
             }
         }
         sum
+    }
+
+    /// Slip that costs one half, m: what gets out of a collision has no need of friction.
+    fn slip_m(&self) -> f64 {
+        if self.force.is_some() { SLIP_M } else { 0.1 * SLIP_M }
     }
 
     /// Points in a phase in this frame: link, position, horizontal way from the anchor.
@@ -209,14 +298,15 @@ impl<'a> Problem<'a> {
         gradient.copy_from_slice(w);
         let mut slopes = Slopes::new(nv);
         let mut local = Local::new(d);
-        let mut active = Active::default();
-        for i in 0..clip.frames() {
+        let down = self.base.skeleton.links()[0].parent_from_zero.rotation.inverse();
+        for (i, frame) in self.counted() {
             let (q, at) = (clip.pose(i), i * nv..(i + 1) * nv);
             let (v, vd) = (&derivatives.v[at.clone()], &derivatives.vd[at]);
             local.clear();
             if let Some(weights) = self.force {
-                let f = self.physics.forces(q, v, vd, &self.setting.anchors[i]);
-                self.physics.slopes(v, vd, &self.setting.anchors[i], &mut slopes);
+                let anchors = &self.setting.anchors[frame];
+                let f = self.physics.forces(q, v, vd, anchors);
+                self.physics.slopes(v, vd, anchors, &mut slopes);
                 for c in 0..6 {
                     for (order, by) in slopes.by.iter().enumerate() {
                         for (j, &dof) in self.dofs.iter().enumerate() {
@@ -225,28 +315,39 @@ impl<'a> Problem<'a> {
                     }
                     local.add_row(weights[c] * f.residual[c], 3 * d);
                 }
+                if let Some((beyond, by_force)) = self.beyond_cone(&f, frame) {
+                    let (weight, by_force) = (self.cone_weight(&weights), down * by_force);
+                    for (order, by) in slopes.by.iter().enumerate() {
+                        for (j, &dof) in self.dofs.iter().enumerate() {
+                            let slope: f64 = (0..3).map(|c| by_force[c] * by[(6 + c, dof)]).sum();
+                            local.row[order * d + j] = weight * slope;
+                        }
+                    }
+                    local.add_row(weight * beyond, 3 * d);
+                }
             }
-            self.geometry(i, clip, q, &mut local);
-            self.basis.at(i as f64 / clip.rate_hz, &mut active);
-            local.carry(&active, normal, gradient, self.force.is_some());
+            self.geometry((i, frame), clip, q, &mut local);
+            let active = &self.active[i];
+            let first = active.first - self.stretch.functions.start;
+            local.carry(active, first, normal, gradient, self.force.is_some());
         }
     }
 
     /// Terms that depend on the pose only.
-    fn geometry(&mut self, frame: usize, clip: &Clip, q: &[f64], local: &mut Local) {
+    fn geometry(&mut self, (i, frame): (usize, usize), clip: &Clip, q: &[f64], local: &mut Local) {
         let puppet = self.setting.puppet;
         self.k.update(&clip.skeleton, q);
         self.axes.update(&clip.skeleton, &self.k);
         let points = &puppet.features.points;
         let weight = self.stay(frame);
-        for (p, r) in points.iter().zip(&self.reference[frame * points.len()..]) {
+        for (p, r) in points.iter().zip(&self.reference[i * points.len()..]) {
             let at = self.k.point(p.link, &p.at);
             self.point(p.link, &at, &(at - r), weight, local);
         }
         let slips: Vec<_> = self.slips(frame).collect();
         for (link, at, slip) in slips {
             for (axis, error) in [(Vec3::x(), slip.x), (Vec3::z(), slip.z)] {
-                self.along(link, &at, &axis, error, 1.0 / SLIP_M, local);
+                self.along(link, &at, &axis, error, 1.0 / self.slip_m(), local);
             }
         }
         for (l, link) in clip.skeleton.links().iter().enumerate() {
@@ -308,84 +409,5 @@ impl<'a> Problem<'a> {
             }
         }
         local.add_row(scale * error, self.dofs.len());
-    }
-}
-
-/// The quadratic of one frame in `x = (δ, δ̇, δ̈)`.
-struct Local {
-    d: usize,
-    /// Q, lower triangle, row-major, `3d × 3d`.
-    q: Vec<f64>,
-    gradient: Vec<f64>,
-    /// One residual's slope.
-    row: Vec<f64>,
-    chain: Vec<(usize, Vec3)>,
-}
-
-impl Local {
-    fn new(d: usize) -> Self {
-        Self {
-            d,
-            q: vec![0.0; 9 * d * d],
-            gradient: vec![0.0; 3 * d],
-            row: vec![0.0; 3 * d],
-            chain: Vec::new(),
-        }
-    }
-
-    fn clear(&mut self) {
-        self.q.fill(0.0);
-        self.gradient.fill(0.0);
-    }
-
-    fn clear_row(&mut self) {
-        self.row.fill(0.0);
-    }
-
-    /// Adds ½ r², of which `row[..count]` is the slope.
-    fn add_row(&mut self, r: f64, count: usize) {
-        let n = 3 * self.d;
-        for i in 0..count {
-            let x = self.row[i];
-            if x == 0.0 {
-                continue;
-            }
-            self.gradient[i] += x * r;
-            let to = &mut self.q[i * n..i * n + i + 1];
-            to.iter_mut().zip(&self.row).for_each(|(q, y)| *q += x * y);
-        }
-    }
-
-    /// Adds the frame to the normal equations of the weights.
-    fn carry(&mut self, active: &Active, normal: &mut Band, gradient: &mut [f64], rates: bool) {
-        let (d, n) = (self.d, 3 * self.d);
-        let orders = if rates { 3 } else { 1 };
-        let q = DMatrix::from_fn(n, n, |i, j| if j <= i { self.q[i * n + j] } else { self.q[j * n + i] });
-        let g = DVector::from_column_slice(&self.gradient);
-        let mut half = vec![0.0; n * d];
-        for (l, phi) in active.phi.iter().enumerate() {
-            let at = (active.first + l) * d;
-            for j in 0..d {
-                gradient[at + j] += (0..orders).map(|a| phi[a] * g[a * d + j]).sum::<f64>();
-            }
-            // Q of this function: n × d, by rows
-            for i in 0..orders * d {
-                for j in 0..d {
-                    half[i * d + j] = (0..orders).map(|b| phi[b] * q[(i, b * d + j)]).sum();
-                }
-            }
-            for (i, other) in active.phi.iter().enumerate().skip(l) {
-                for a in 0..d {
-                    let to = (active.first + i) * d + a;
-                    let count = if i == l { a + 1 } else { d };
-                    let row = normal.row_mut(to, at, count);
-                    for order in 0..orders {
-                        let x = other[order];
-                        let from = &half[(order * d + a) * d..(order * d + a) * d + count];
-                        row.iter_mut().zip(from).for_each(|(r, h)| *r += x * h);
-                    }
-                }
-            }
-        }
     }
 }

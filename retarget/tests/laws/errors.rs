@@ -65,6 +65,12 @@ fn bad_requests_are_told() {
 
     let e = Puppet::new(body.clone(), Vec::new()).unwrap_err();
     say(&e);
+    assert!(
+        matches!(&e, RetargetError::NothingFollows { points, .. } if points.len() == body.contacts.len())
+    );
+    let floating = dynamics::Character { contacts: Vec::new(), ..body.clone() };
+    let e = Puppet::new(floating, Vec::new()).unwrap_err();
+    say(&e);
     assert!(matches!(e, RetargetError::NoContactPoint { .. }));
 
     let wrong = ContactPoint { site: body.contacts[0], human: vec!["heal_l".into()], follow: Follow::Any };

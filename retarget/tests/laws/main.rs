@@ -7,3 +7,4 @@ mod fit;
 mod global;
 mod live;
 mod refine;
+mod sway;

@@ -9,7 +9,7 @@ use motion::{
     BallLimits, Joint, Limb, LimbKind, Limits, Link, Range, Shape, Site, Skeleton, Transform, Vec3,
 };
 use nalgebra::{Matrix3, Translation3};
-use retarget::{ContactPoint, Follow};
+use retarget::{ContactPoint, Follow, Sway};
 
 use super::schema::{CharacterRon, FollowRon, JointRon, KindRon, LimitsRon, ShapeRon, V3, class};
 use crate::angle::{Angle, quat_from_deg};
@@ -59,6 +59,8 @@ pub struct CharacterFile {
     pub colors: Vec<Option<[u8; 3]>>,
     /// The contact points whose counterparts on a human the file names.
     pub follows: Vec<ContactPoint>,
+    /// Parts that can follow by dynamics.
+    pub sways: Vec<Sway>,
 }
 
 fn vec3(v: V3) -> Vec3 {
@@ -98,7 +100,34 @@ impl Reader<'_> {
             }
             follows.push(ContactPoint { site: character.contacts[contact], human, follow });
         }
-        Ok(CharacterFile { character, colors, follows })
+        let mut sways = Vec::new();
+        for (part, sway) in &self.ron.sways {
+            let at = format!("sways{{\"{part}\"}}");
+            let Some(links) = skeleton.parts().get(part) else {
+                let known = skeleton.parts().keys().map(String::as_str);
+                return Err(self.source.unknown(&at, "part", part, " in sways", known));
+            };
+            for (name, value) in [("frequency_hz", sway.frequency_hz), ("damping_ratio", sway.damping_ratio)]
+            {
+                if !(value > 0.0 && value.is_finite()) {
+                    let e = format!("{name} of `{part}` is {value}; allowed: positive numbers");
+                    return Err(self.source.error(&format!("{at}.{name}"), e));
+                }
+            }
+            let carries =
+                |c: &&usize| skeleton.ancestors(skeleton.sites()[**c].link).any(|l| links.contains(&l));
+            if let Some(&contact) = character.contacts.iter().find(carries) {
+                let site = &skeleton.sites()[contact].name;
+                let e = format!("`{part}` carries the contact point `{site}`; what stands cannot sway");
+                return Err(self.source.error(&at, e));
+            }
+            sways.push(Sway {
+                links: links.clone(),
+                frequency_hz: sway.frequency_hz,
+                damping_ratio: sway.damping_ratio,
+            });
+        }
+        Ok(CharacterFile { character, colors, follows, sways })
     }
 
     /// `#rrggbb`.

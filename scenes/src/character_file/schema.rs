@@ -21,11 +21,21 @@ pub(super) struct CharacterRon {
     #[serde(default)]
     pub(super) follows: BTreeMap<String, FollowRon>,
     #[serde(default)]
+    pub(super) sways: BTreeMap<String, SwayRon>,
+    #[serde(default)]
     pub(super) limbs: Vec<LimbRon>,
     #[serde(default)]
     pub(super) parts: BTreeMap<String, Vec<String>>,
     #[serde(default)]
     pub(super) rest: RestRon,
+}
+
+/// A part that follows by dynamics.
+#[derive(Clone, Copy, Deserialize)]
+#[serde(deny_unknown_fields, rename = "Sway")]
+pub(super) struct SwayRon {
+    pub(super) frequency_hz: f64,
+    pub(super) damping_ratio: f64,
 }
 
 #[derive(Deserialize)]

@@ -146,9 +146,10 @@ impl Actor {
     /// Anything wrong with the file; no contact point with a human counterpart.
     pub fn open(path: &Path) -> Result<Self, RetargetingError> {
         let file = character_file::read_file(path)?;
-        let puppet = Puppet::new(file.character.clone(), file.follows.clone()).map_err(|source| {
+        let mut puppet = Puppet::new(file.character.clone(), file.follows.clone()).map_err(|source| {
             RetargetingError::Retarget { path: path.display().to_string(), source: Box::new(source) }
         })?;
+        puppet.sways.clone_from(&file.sways);
         Ok(Self { file, puppet, path: path.into() })
     }
 

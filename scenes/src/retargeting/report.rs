@@ -39,6 +39,9 @@ pub struct RetargetReport {
     /// Contacts after their adjustment.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub contact: Option<ContactNumbers>,
+    /// Parts that followed by dynamics.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub sway: Option<SwayNumbers>,
     /// Forces before and after the refinement.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub refinement: Option<RefinementNumbers>,
@@ -100,7 +103,7 @@ pub struct ContactNumbers {
     pub slip_mm: f64,
     /// Deepest penetration of a contact point, mm.
     pub penetration_mm: f64,
-    /// Jerk near phase ends over the source's.
+    /// Jerk near phase ends over that of the mapped motion.
     pub jerk_ratio: f64,
 }
 
@@ -113,6 +116,15 @@ pub struct PhaseNumbers {
     pub from_s: f64,
     /// End, s.
     pub to_s: f64,
+}
+
+/// Parts that followed by dynamics.
+#[derive(Clone, Copy, Debug, Serialize)]
+pub struct SwayNumbers {
+    /// Joints that swayed.
+    pub joints: usize,
+    /// Farthest turn of one from its keyed pose, degrees.
+    pub most_deg: f64,
 }
 
 /// Forces before and after the refinement.
@@ -202,6 +214,7 @@ impl RetargetReport {
                 penetration_mm: 1e3 * c.penetration_m,
                 jerk_ratio: c.jerk_ratio,
             }),
+            sway: done.sway.map(|s| SwayNumbers { joints: s.links, most_deg: s.most_rad.to_degrees() }),
             refinement: done.refinement.as_ref().map(|r| RefinementNumbers {
                 mismatch_before_n2: r.before,
                 mismatch_after_n2: r.after,

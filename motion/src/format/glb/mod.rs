@@ -116,8 +116,14 @@ pub fn bones(skeleton: &Skeleton) -> Vec<(usize, Shape)> {
 ///
 /// # Errors
 /// See [`GlbError`].
-pub fn write_file(path: &Path, clip: &Clip, solids: &[(usize, Shape)], name: &str) -> Result<(), GlbError> {
-    Ok(super::write(path, &write(clip, solids, name)?)?)
+pub fn write_file(
+    path: &Path,
+    clip: &Clip,
+    solids: &[(usize, Shape)],
+    colors: &[Option<[u8; 3]>],
+    name: &str,
+) -> Result<(), GlbError> {
+    Ok(super::write(path, &write(clip, solids, colors, name)?)?)
 }
 
 /// Bytes of a `.glb` with the clip's skeleton, `solids` (link, shape in its frame) and motion.
@@ -125,9 +131,16 @@ pub fn write_file(path: &Path, clip: &Clip, solids: &[(usize, Shape)], name: &st
 /// `name` names the scene, the mesh and the animation. Without solids there is neither mesh nor skin;
 /// [`bones`] makes some.
 ///
+/// * `colors`: red, green, blue per link as screens show them (sRGB); clay where there is none, or no entry
+///
 /// # Errors
 /// See [`GlbError`].
-pub fn write(clip: &Clip, solids: &[(usize, Shape)], name: &str) -> Result<Vec<u8>, GlbError> {
+pub fn write(
+    clip: &Clip,
+    solids: &[(usize, Shape)],
+    colors: &[Option<[u8; 3]>],
+    name: &str,
+) -> Result<Vec<u8>, GlbError> {
     let links = clip.skeleton.links();
     if links.len() > 1 << 16 {
         return Err(GlbError::TooLarge { bytes: 0, links: links.len() });
@@ -141,7 +154,7 @@ pub fn write(clip: &Clip, solids: &[(usize, Shape)], name: &str) -> Result<Vec<u
     };
     let mut scene = vec![file.nodes(&clip.skeleton)];
     if !solids.is_empty() {
-        scene.push(file.body(&clip.skeleton, solids, name));
+        scene.push(file.body(&clip.skeleton, solids, colors, name));
     }
     file.animation(clip, name)?;
     let scene = file.root.push(json::Scene {
@@ -203,14 +216,46 @@ impl File {
         Index::new(0)
     }
 
+    /// A matt material.
+    fn material(&mut self, color: Option<[u8; 3]>) -> Index<json::Material> {
+        // factors are linear, colours as written are sRGB (IEC 61966-2-1)
+        let linear = |x: u8| {
+            let x = f32::from(x) / 255.0;
+            if x <= 0.04045 { x / 12.92 } else { ((x + 0.055) / 1.055).powf(2.4) }
+        };
+        let (name, [r, g, b]) = match color {
+            Some([r, g, b]) => (format!("#{r:02x}{g:02x}{b:02x}"), [r, g, b].map(linear)),
+            None => ("clay".to_owned(), [0.7, 0.68, 0.65]),
+        };
+        self.root.push(json::Material {
+            name: Some(name),
+            pbr_metallic_roughness: json::material::PbrMetallicRoughness {
+                base_color_factor: json::material::PbrBaseColorFactor([r, g, b, 1.0]),
+                metallic_factor: json::material::StrengthFactor(0.0),
+                roughness_factor: json::material::StrengthFactor(0.8),
+                ..Default::default()
+            },
+            ..Default::default()
+        })
+    }
+
     /// The mesh of all solids, its skin, and the node that shows it.
-    fn body(&mut self, skeleton: &Skeleton, solids: &[(usize, Shape)], name: &str) -> Index<json::Node> {
+    fn body(
+        &mut self,
+        skeleton: &Skeleton,
+        solids: &[(usize, Shape)],
+        colors: &[Option<[u8; 3]>],
+        name: &str,
+    ) -> Index<json::Node> {
         let zero = Kinematics::new(skeleton, &skeleton.zero_pose());
         let (mut points, mut normals) = (Vec::new(), Vec::new());
-        let (mut joints, mut weights, mut indices) = (Vec::new(), Vec::new(), Vec::new());
+        let (mut joints, mut weights) = (Vec::new(), Vec::new());
+        // corners by colour: one primitive each
+        let mut painted: BTreeMap<Option<[u8; 3]>, Vec<u32>> = BTreeMap::new();
         for (link, shape) in solids {
             let mesh = mesh::mesh(shape);
             let first = points.len() as u32;
+            let indices = painted.entry(colors.get(*link).copied().flatten()).or_default();
             indices.extend(mesh.indices.iter().map(|i| first + i));
             for (point, normal) in mesh.points.iter().zip(&mesh.normals) {
                 points.push(vec3(&zero.point(*link, point)));
@@ -229,25 +274,6 @@ impl File {
         let joints: Vec<u8> = joints.as_flattened().iter().flat_map(|j| j.to_le_bytes()).collect();
         let joints = self.accessor(&joints, ComponentType::U16, Type::Vec4, vertices, attribute);
         let weights = self.floats(weights.as_flattened(), Type::Vec4, vertices, attribute);
-        let corners: Vec<u8> = indices.iter().flat_map(|i| i.to_le_bytes()).collect();
-        let corners = self.accessor(
-            &corners,
-            ComponentType::U32,
-            Type::Scalar,
-            indices.len(),
-            Some(Target::ElementArrayBuffer),
-        );
-
-        let material = self.root.push(json::Material {
-            name: Some("clay".into()),
-            pbr_metallic_roughness: json::material::PbrMetallicRoughness {
-                base_color_factor: json::material::PbrBaseColorFactor([0.7, 0.68, 0.65, 1.0]),
-                metallic_factor: json::material::StrengthFactor(0.0),
-                roughness_factor: json::material::StrengthFactor(0.8),
-                ..Default::default()
-            },
-            ..Default::default()
-        });
         use json::mesh::Semantic;
         let attributes = BTreeMap::from([
             (Valid(Semantic::Positions), points),
@@ -255,19 +281,26 @@ impl File {
             (Valid(Semantic::Joints(0)), joints),
             (Valid(Semantic::Weights(0)), weights),
         ]);
+        let mut primitives = Vec::new();
+        for (color, indices) in painted {
+            let corners: Vec<u8> = indices.iter().flat_map(|i| i.to_le_bytes()).collect();
+            let target = Some(Target::ElementArrayBuffer);
+            let corners = self.accessor(&corners, ComponentType::U32, Type::Scalar, indices.len(), target);
+            primitives.push(json::mesh::Primitive {
+                attributes: attributes.clone(),
+                extensions: None,
+                extras: Default::default(),
+                indices: Some(corners),
+                material: Some(self.material(color)),
+                mode: Valid(json::mesh::Mode::Triangles),
+                targets: None,
+            });
+        }
         let mesh = self.root.push(json::Mesh {
             extensions: None,
             extras: Default::default(),
             name: Some(name.into()),
-            primitives: vec![json::mesh::Primitive {
-                attributes,
-                extensions: None,
-                extras: Default::default(),
-                indices: Some(corners),
-                material: Some(material),
-                mode: Valid(json::mesh::Mode::Triangles),
-                targets: None,
-            }],
+            primitives,
             weights: None,
         });
         let binds: Vec<f32> = zero

@@ -1,0 +1,86 @@
+//! Motions put on the characters that ship: contacts hold, forces come to match, tails swing.
+
+use std::path::{Path, PathBuf};
+
+use motion::format::bvh::ImportOptions;
+use scenes::retarget::{Options, RefineDofs, Retargeted};
+use scenes::retargeting::Session;
+
+fn here(file: &str) -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join(file)
+}
+
+fn session(performance: &str, character: &str) -> Session {
+    let beside = here(&format!("performances/{performance}.ron"));
+    let clip = here(&format!("../../shared/mocap/bvh/{performance}.bvh"));
+    let path = if beside.is_file() { beside } else { clip };
+    let to = here(&format!("characters/{character}.ron"));
+    Session::open(&path, &to, None, &ImportOptions::default()).unwrap()
+}
+
+fn run(session: &Session, options: &Options) -> Retargeted {
+    session.run(&session.learn(options).unwrap(), options).unwrap()
+}
+
+fn fell(before: &[f64], after: &[f64]) -> f64 {
+    1.0 - after.iter().sum::<f64>() / before.iter().sum::<f64>()
+}
+
+/// After contact adjustment nothing slips or sinks in; after refinement the vertical forces match, by millimetres of
+/// the root. (`cargo run --release -p scenes --example retargeting` prints all performances and three captured clips.)
+#[test]
+fn contacts_hold_and_vertical_forces_match() {
+    for character in ["lamp", "penguin", "squirrel"] {
+        for performance in ["anger", "dance", "disgust", "fear"] {
+            let options = Options { rate_hz: Some(30.0), ..Options::default() };
+            let done = run(&session(performance, character), &options);
+            let (c, r) = (done.contact.unwrap(), done.refinement.unwrap());
+            let vertical = fell(&r.before[1..2], &r.after[1..2]);
+            println!("{character} {performance}: {c:?}, vertical −{:.1} %", 100.0 * vertical);
+            assert!(c.slip_m <= 1e-3, "{character} {performance}"); // 0.04 mm seen
+            assert!(c.penetration_m <= 5e-3, "{character} {performance}"); // 2.2 mm seen
+            assert!(vertical >= 0.8, "{character} {performance}: {vertical}"); // 88 % seen
+            assert!(r.root_median_m <= 0.02, "{character} {performance}"); // 1.5 mm seen
+            assert!(r.slip_m <= 2e-3, "{character} {performance}: {}", r.slip_m);
+        }
+    }
+}
+
+/// With root and legs (a lamp's arm is its leg) all six components match, and forces stay inside the friction cone.
+#[test]
+fn root_and_legs_match_all_six_components() {
+    for (character, performance) in [("lamp", "fear"), ("penguin", "disgust"), ("squirrel", "fear")] {
+        let mut options = Options { rate_hz: Some(30.0), ..Options::default() };
+        options.refine.dofs = RefineDofs::RootAndLegs;
+        let done = run(&session(performance, character), &options);
+        let r = done.refinement.unwrap();
+        let all = fell(&r.before, &r.after);
+        println!(
+            "{character} {performance}: −{:.1} %, cone {:?} → {:?}",
+            100.0 * all,
+            r.cone_before,
+            r.cone_after
+        );
+        assert!(all >= 0.8, "{character} {performance}: {all}");
+        assert!(r.root_median_m <= 0.02 && r.slip_m <= 2e-3, "{character} {performance}");
+        if character != "squirrel" {
+            // 14 → 1 (lamp), 0 → 0 seen
+            assert!(r.cone_after.len() <= 1, "{character} {performance}: {:?}", r.cone_after);
+        }
+    }
+}
+
+/// The tail swings, and comes to rest where the key poses put it; with the option off it follows them.
+#[test]
+fn the_tail_follows_by_dynamics_or_by_key_poses() {
+    let session = session("happiness", "squirrel");
+    let options = Options { rate_hz: Some(30.0), ..Options::default() };
+    let with = run(&session, &options);
+    let without = run(&session, &Options { sway: false, ..options });
+    assert_eq!(without.sway, None);
+    let report = with.sway.unwrap();
+    println!("{report:?}");
+    assert_eq!(report.links, 5);
+    assert!(report.most_rad > 0.05 && report.most_rad < 1.6, "{report:?}");
+    assert_ne!(with.clip, without.clip);
+}
