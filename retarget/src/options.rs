@@ -177,7 +177,7 @@ impl Default for Options {
     fn default() -> Self {
         Self {
             model: MappingModel::default(),
-            latent: None,
+            gplvm: GplvmOptions::default(),
             stop_after: Stage::default(),
             rate_hz: None,
             smoothing: Smoothing::default(),

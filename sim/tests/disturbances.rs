@@ -118,14 +118,11 @@ fn a_box_slides_when_the_ground_is_steeper_than_friction_holds() {
         let (tilt, duration_s) = (0.6, 12.0);
         let steeper = Tilt { start_s: 0.2, duration_s, tilt, towards, curve: Curve::Linear };
         let mut angle = None;
-        on_turning_ground(friction, &[steeper], 12.2, |_t, world, ground, _| {
+        on_turning_ground(friction, &[steeper], 12.2, |_, world, ground, _| {
             // its velocity over the ground, by places: the ground carries a resting box
             let at = Vec3::new(world.q()[0], world.q()[1], world.q()[2]);
             let home = Vec3::new(0.4, HALF[1], -0.3);
             let moved = (ground.place().inverse() * nalgebra::Point3::from(at)).coords - home;
-            if std::env::var("SHOW").is_ok() && (_t * 240.0) as usize % 120 == 0 {
-                println!("{_t:.2} {moved:?}");
-            }
             if angle.is_none() && moved.norm() > 2e-3 {
                 angle = Some(ground.up.y.acos());
             }
