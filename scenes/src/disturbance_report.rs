@@ -17,7 +17,6 @@ pub struct DisturbanceReport {
     #[serde(skip_serializing_if = "Option::is_none")]
     pub ground_friction: Option<f64>,
     /// Turns of the ground, in order of time.
-    #[serde(skip_serializing_if = "Vec::is_empty")]
     pub ground_tilts: Vec<TiltReport>,
     /// Pushes.
     pub pushes: Vec<PushReport>,

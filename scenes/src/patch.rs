@@ -132,11 +132,11 @@ mod tests {
 
     #[test]
     fn bad_patches_are_refused_at_their_place() {
-        let e = fault("Patch(\n  set: {\n    \"wieght\": (is: 1.0),\n  },\n)");
-        assert!(e.contains("unknown parameter `wieght` in a patch; did you mean `weight`?"), "{e}");
+        let e = fault("Patch(\n  set: {\n    \"cacth_gain\": (is: 1.0),\n  },\n)");
+        assert!(e.contains("unknown parameter `cacth_gain` in a patch; did you mean `catch_gain`?"), "{e}");
         assert!(e.contains("p.ron:3:5"), "{e}");
-        let e = fault("Patch(set: {\"weight\": (is: 99)})");
-        assert!(e.contains("`weight` is 99 m/m; allowed: 0.5 to 3 m/m") && e.contains("p.ron:1:"), "{e}");
-        assert!(fault("Patch(set: {\"weight\": (is: 1, so: 2)})").contains("so"));
+        let e = fault("Patch(set: {\"catch_gain\": (is: 99)})");
+        assert!(e.contains("`catch_gain` is 99 m/m; allowed: 0.2 to 4 m/m") && e.contains("p.ron:1:"), "{e}");
+        assert!(fault("Patch(set: {\"catch_gain\": (is: 1, so: 2)})").contains("so"));
     }
 }

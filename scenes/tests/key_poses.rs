@@ -222,7 +222,8 @@ fn faults_of_key_poses_are_named_at_their_place() {
 fn unfit_bodies_are_told() {
     let lamp = actor("lamp");
     let no_contacts = Puppet::new(lamp.file.character.clone(), Vec::new()).unwrap_err().to_string();
-    assert_eq!(no_contacts, "character `lamp` has no contact point; it needs at least one to stand on");
+    assert!(no_contacts.starts_with("none of the 4 contact points of `lamp` (base_front,"), "{no_contacts}");
+    assert!(no_contacts.contains("follows: { \"base_front\": "), "{no_contacts}");
     let folder = tempfile::tempdir().unwrap();
     let scene = folder.path().join("lamp-scene.ron");
     let character = here("characters/lamp.ron");

@@ -66,8 +66,8 @@ fn a_push_is_survived_or_reported() {
     }
 }
 
-/// In a push to the side the foot that loses its load is dragged along (65 mm seen); with weight shift it
-/// all but stays (8 to 11 mm), and the body comes back (13 to 16 mm).
+/// Where each foot keeps its half of the load, a push to the side throws the body over; with weight shift the feet
+/// all but stay (4 mm seen), and the body comes back (0.4 mm).
 #[test]
 fn weight_shift_keeps_the_feet_in_a_push_to_the_side() {
     let c = Arc::new(human());
@@ -98,8 +98,12 @@ fn weight_shift_keeps_the_feet_in_a_push_to_the_side() {
                 moved * 1e3,
                 back * 1e3
             );
-            assert!(out.fell_s.is_none() && back < 0.02, "{newtons} N: {back} m, fell {:?}", out.fell_s);
-            assert!(if weight_shift { moved < 0.012 } else { moved > 0.03 }, "{newtons} N: {moved} m");
+            if weight_shift {
+                assert!(out.fell_s.is_none() && back < 0.02, "{newtons} N: {back} m, fell {:?}", out.fell_s);
+                assert!(moved < 0.012, "{newtons} N: {moved} m");
+            } else {
+                assert!(moved > 0.03, "{newtons} N: {moved} m");
+            }
         }
     }
 }
