@@ -35,7 +35,7 @@ fn the_document_names_every_field() {
     let scene = place.scene(
         "settle_s: 0.2",
         "settle_s: 1.5, physics: (tension: 0.05),
-        world: (ground: Plane(tilts: [Tilt(start_s: 0.1, duration_s: 0.5, tilt_deg: 2)])),
+        world: (ground: Plane(friction: 0.8, tilts: [Tilt(start_s: 0.1, duration_s: 0.5, tilt_deg: 2)])),
         reactive: [Gaze(at_m: (0, 1, 3))],
         carried: [Carried(link: \"wrist_r\", mass_kg: 1)],
         pushes: [Push(link: \"chest\", impulse_ns: (0, 0, 400), start_s: 0.1)]",
