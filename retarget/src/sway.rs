@@ -14,7 +14,7 @@
 //! pose is carried, so that nothing sags. K and D of a joint come from a frequency f and a damping ratio ζ: with I the
 //! largest inertia of what it carries about its axes in the rest pose, `K = I (2πf)²`, `D = 2ζ √(K I)`: a joint alone, its
 //! neighbours locked, swings at f; a chain of them is slower. A ball has one K in all directions. Beyond a joint's
-//! limits the spring is [`STOP`] times as stiff.
+//! limits the spring is `STOP` times as stiff.
 //!
 //! Nothing here changes what carries the parts: a tail's pull on its body is in the forces that are refined afterwards.
 

@@ -17,7 +17,7 @@
 //!
 //! 1. *Ankle strategy*: the pressure goes beyond the capture point, `p = inside(ξ + t ξ̇ + k (ξ − c*))`.
 //! 2. *Weight shift*: of the support that is `inside`, all soles together; without it only where each foot keeps its part.
-//! 3. *Hip strategy*: what that cannot catch is left to a moment of the trunk ([`hip`]).
+//! 3. *Hip strategy*: what that cannot catch is left to a moment of the trunk (`hip`).
 //! 4. *Force*: `F = (m g (c − p) − L̇)/h` through p. Leg and trunk accelerations, foot loads and torques follow from it.
 //!
 //! Feet that lie flat tell how the ground lies, which may turn: the legs' goals are over the feet as they stand.

@@ -25,7 +25,7 @@
 //!   the body with itself, the ground and the scene ([`solids`]).
 //!
 //! *Solution.* Levenberg–Marquardt. Two functions act together only within 16 spacings: with the unknowns in the order
-//! of time the normal equations are banded; long clips are solved a stretch at a time ([`windows`]), so that cost grows
+//! of time the normal equations are banded; long clips are solved a stretch at a time (`windows`), so that cost grows
 //! linearly with length. Rates and accelerations of the displaced clip are central differences, as anyone who reads the clip
 //! will take them. (Steps on a softer ground first, which is felt from farther above, led to other minima, not lower ones.)
 //!
