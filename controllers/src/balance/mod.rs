@@ -12,8 +12,8 @@
 //! 3. *Ankle limit*: the torque of each ankle is limited so that its own centre of pressure stays
 //!    inside its sole; a stiff ankle would tip the foot.
 //!
-//! *Catching* serves pushes. It wakes by how fast the capture point ξ = c + ċ/ω₀ runs off ([`wake`]), and while it is awake
-//! the whole body below the neck moves as one ([`momentum`]):
+//! *Catching* serves pushes. It wakes by how fast the capture point ξ = c + ċ/ω₀ runs off (`wake`), and while it is awake
+//! the whole body below the neck moves as one (`momentum`):
 //!
 //! 1. *Ankle strategy*: the pressure goes beyond the capture point, `p = inside(ξ + t ξ̇ + k (ξ − c*))`.
 //! 2. *Weight shift*: of the support that is `inside`, all soles together; without it only where each foot keeps its part.
