@@ -12,7 +12,6 @@
 //! [`FASTEST`]: a smaller budget pulls more softly everywhere and not only at its limit.
 
 use dynamics::{Model, State, Wrench};
-use motion::Vec3;
 use motion::rotation::log;
 use motion::skeleton::{quat_at, vec_at};
 
@@ -70,13 +69,8 @@ impl Assist {
         Wrench {
             link: root.link,
             point: vec_at(q, at),
-            force: limit(pull, force_n),
-            moment: limit(turn, moment_nm),
+            force: pull.cap_magnitude(force_n),
+            moment: turn.cap_magnitude(moment_nm),
         }
     }
-}
-
-fn limit(x: Vec3, length: f64) -> Vec3 {
-    let n = x.norm();
-    if n > length { x * (length / n) } else { x }
 }

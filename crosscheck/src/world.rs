@@ -98,12 +98,7 @@ impl MujocoWorld {
         let set_points: Vec<SetPoints> =
             model.bodies.iter().map(|b| SetPoints::of(&b.joint, links[b.link].limits.as_ref())).collect();
         let antagonists = axis_set_points(&character.skeleton);
-        let ground = settings.ground.map(|g| MjcfGround {
-            height_m: g.height_m,
-            friction: g.friction,
-            up: g.up,
-            turns: g.turns,
-        });
+        let ground = settings.ground.map(MjcfGround::from);
         let options = MjcfOptions { gravity: settings.gravity, ground, antagonists };
         let file = mjcf::write(character, &options).map_err(|e| WorldError::Engine(e.to_string()))?;
         // our stops stand in for its limits

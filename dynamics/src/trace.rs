@@ -204,8 +204,7 @@ impl Trace {
 
     /// The rotation that takes level ground to that of a row.
     pub fn ground_turn(&self, row: usize) -> Quat {
-        let up = self.ground_up(row);
-        if up == Vec3::y() { Quat::identity() } else { motion::rotation::between(&Vec3::y(), &up) }
+        motion::rotation::between(&Vec3::y(), &self.ground_up(row))
     }
 
     fn pivot(&self) -> Vec3 {

@@ -145,6 +145,18 @@ fn mass_matrix_is_inverse_dynamics_of_unit_accelerations() {
     }
 }
 
+/// The state `h` seconds along the motion of a case.
+fn along(c: &Case, h: f64) -> State {
+    let mut q = c.q.clone();
+    // second-order step: q(h) = q ⊕ (v + v̇ h/2) h; a ball's frame is fixed, so this is exact to h²
+    let mid: Vec<f64> = c.v.iter().zip(&c.vd).map(|(v, a)| v + 0.5 * a * h).collect();
+    c.model.skeleton.integrate(&mut q, &mid, h);
+    let v: Vec<f64> = c.v.iter().zip(&c.vd).map(|(v, a)| v + a * h).collect();
+    let mut state = State::new(&c.model);
+    state.update(&c.model, &q, &v);
+    state
+}
+
 /// Power balance: v·τ = d/dt (kinetic + potential), by central differences along the motion.
 #[test]
 fn work_is_the_change_of_energy() {
@@ -153,14 +165,7 @@ fn work_is_the_change_of_energy() {
         let tau = inverse(&c, &c.q, &c.v, &c.vd, &[]);
         let power: f64 = tau.iter().zip(&c.v).map(|(t, v)| t * v).sum();
         let energy = |h: f64| {
-            let mut q = c.q.clone();
-            // second-order step: q(h) = q ⊕ (v + v̇ h/2) h; a ball's frame is fixed, so this is exact to h²
-            let mid: Vec<f64> = c.v.iter().zip(&c.vd).map(|(v, a)| v + 0.5 * a * h).collect();
-            c.model.skeleton.integrate(&mut q, &mid, h);
-            let v: Vec<f64> = c.v.iter().zip(&c.vd).map(|(v, a)| v + a * h).collect();
-            let mut state = State::new(&c.model);
-            state.update(&c.model, &q, &v);
-            let (kinetic, potential) = state.energy(&c.model);
+            let (kinetic, potential) = along(&c, h).energy(&c.model);
             kinetic + potential
         };
         let rate = (energy(dt) - energy(-dt)) / (2.0 * dt);
@@ -174,16 +179,7 @@ fn root_force_is_the_rate_of_momentum() {
     let dt = 1e-5;
     for c in cases() {
         let tau = inverse(&c, &c.q, &c.v, &c.vd, &[]);
-        let momentum = |h: f64| {
-            let mut q = c.q.clone();
-            let mid: Vec<f64> = c.v.iter().zip(&c.vd).map(|(v, a)| v + 0.5 * a * h).collect();
-            c.model.skeleton.integrate(&mut q, &mid, h);
-            let v: Vec<f64> = c.v.iter().zip(&c.vd).map(|(v, a)| v + a * h).collect();
-            let mut state = State::new(&c.model);
-            state.update(&c.model, &q, &v);
-            state.momentum(&c.model)
-        };
-        let (a, b) = (momentum(-dt), momentum(dt));
+        let [a, b] = [-dt, dt].map(|h| along(&c, h).momentum(&c.model));
         let root = &c.model.bodies[0];
         let zero = root.parent_from_zero.rotation;
         let force = zero * Vec3::new(tau[0], tau[1], tau[2]);
@@ -342,19 +338,10 @@ fn coriolis_terms_follow_from_the_mass_matrix() {
 fn momentum_rate_is_the_slope_of_the_momentum() {
     let dt = 1e-5;
     for c in all_cases() {
-        let along = |h: f64| {
-            let mut q = c.q.clone();
-            let mid: Vec<f64> = c.v.iter().zip(&c.vd).map(|(v, a)| v + 0.5 * a * h).collect();
-            c.model.skeleton.integrate(&mut q, &mid, h);
-            let v: Vec<f64> = c.v.iter().zip(&c.vd).map(|(v, a)| v + a * h).collect();
-            let mut state = State::new(&c.model);
-            state.update(&c.model, &q, &v);
-            state.momentum(&c.model)
-        };
         let mut state = State::new(&c.model);
         state.update(&c.model, &c.q, &c.v);
         let rate = state.momentum_rate(&c.model, &c.v, &c.vd);
-        let (a, b) = (along(-dt), along(dt));
+        let [a, b] = [-dt, dt].map(|h| along(&c, h).momentum(&c.model));
         let linear = (b.linear - a.linear) / (2.0 * dt);
         let angular = (b.angular - a.angular) / (2.0 * dt);
         assert!((linear - rate.linear).norm() < 1e-6 * linear.norm(), "{linear} {}", rate.linear); // 2e-8 seen
@@ -376,12 +363,7 @@ fn points_move_by_their_jacobian() {
         let body = c.model.bodies.len() - 1;
         let link = c.model.bodies[body].link;
         let at = |h: f64| {
-            let mut q = c.q.clone();
-            let mid: Vec<f64> = c.v.iter().zip(&c.vd).map(|(v, a)| v + 0.5 * a * h).collect();
-            c.model.skeleton.integrate(&mut q, &mid, h);
-            let v: Vec<f64> = c.v.iter().zip(&c.vd).map(|(v, a)| v + a * h).collect();
-            let mut state = State::new(&c.model);
-            state.update(&c.model, &q, &v);
+            let state = along(&c, h);
             (state.point_velocity(&c.model, link, &Vec3::zeros()), state.bodies[body].omega)
         };
         let mut state = State::new(&c.model);

@@ -72,12 +72,7 @@ pub fn mjcf(path: &Path, clip: &bvh::ImportOptions, dynamics_only: bool) -> Resu
         None => {
             let stage = open(path, None, clip)?;
             let ground = stage.physics.ground;
-            let ground = ground.map(|g| MjcfGround {
-                height_m: g.height_m,
-                friction: g.friction,
-                up: g.up,
-                turns: g.turns,
-            });
+            let ground = ground.map(MjcfGround::from);
             // the body as it is at the start: what comes later is not in a file without time
             let carried = stage.carried.iter().filter(|c| c.at(0.0)).map(|c| &c.what);
             (stage.character.carrying(carried), stage.physics.gravity, ground)

@@ -4,6 +4,7 @@
 //! about horizontal axes through one point, that under the world's origin: its tilt is a vector in the horizontal plane,
 //! as long as it is steep (rad) and pointing to where it falls, and goes from one turn's to the next one's along a curve.
 
+use dynamics::mjcf::MjcfGround;
 use motion::{Curve, Quat, Transform, Vec3};
 use nalgebra::Vector2;
 
@@ -40,7 +41,7 @@ impl Ground {
 
     /// The rotation that takes level ground to this one.
     pub fn turn(&self) -> Quat {
-        if self.up == Vec3::y() { Quat::identity() } else { motion::rotation::between(&Vec3::y(), &self.up) }
+        motion::rotation::between(&Vec3::y(), &self.up)
     }
 
     /// The point about which it turns, world, m.
@@ -78,6 +79,12 @@ impl Ground {
             now += (to - now) * tilt.curve.at(u);
         }
         if tilts.is_empty() { *self } else { self.tilted(now.norm(), now.x.atan2(now.y)) }
+    }
+}
+
+impl From<Ground> for MjcfGround {
+    fn from(g: Ground) -> Self {
+        Self { height_m: g.height_m, friction: g.friction, up: g.up, turns: g.turns }
     }
 }
 

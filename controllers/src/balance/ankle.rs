@@ -13,25 +13,23 @@ impl Balance {
     ///
     /// For a foot of little mass under a vertical force F, τ = −r × F ŷ: r_z = τ_x/F, r_x = −τ_z/F, with
     /// r from the ankle to the centre of pressure.
-    #[expect(clippy::too_many_arguments, reason = "a step's inputs, each used once")]
     pub(super) fn limit_ankle(
         &self,
         model: &Model,
-        body: usize,
         foot: &Foot,
         force: f64,
         q: &[f64],
         v: &[f64],
         drive: &mut Drive,
     ) {
-        let b = &model.bodies[body];
+        let b = &model.bodies[foot.body];
         let (Rest::Ball { .. }, true) = (drive.rest, force > 1.0) else { return };
         let now = quat_at(q, b.q_at);
         let omega = vec_at(v, b.v_at);
         let torque = drive.pull(&now) * drive.stiffness - omega * drive.damping;
-        let zero = self.now.bodies[body].zero;
+        let zero = self.now.bodies[foot.body].zero;
         let mut world = zero * torque;
-        let ankle = ground(&self.now.bodies[body].world.translation.vector);
+        let ankle = ground(&self.now.bodies[foot.body].world.translation.vector);
         let pressure = ankle + Vec2::new(-world.z / force, world.x / force);
         let corners = foot.corners_in_world(model, &self.now);
         let inside = clamp_inside(&Support::of(corners.iter()), pressure, self.settings.margin_m);

@@ -152,7 +152,7 @@ impl Balance {
             .collect()
     }
 
-    /// Writes the drives of the stance legs for the next step of `dt` seconds, and turns those of the spine by the lean.
+    /// Writes the drives of the stance legs for the next step of `dt` seconds, and under a push those of spine and arms.
     ///
     /// `q`, `v`: simulated state. `goal_q`, `goal_v`: pose and velocity asked for at the end of the step.
     /// `lift`: vertical acceleration of the goal's centre of mass, m/s². `muscles`: per body.
@@ -210,8 +210,9 @@ impl Balance {
         let support = polygon(&self.feet, model, &self.now);
 
         self.integral += error * (s.shift_rate * dt * (1.0 - level));
-        self.integral = limit(self.integral, s.shift_limit_m);
-        let shift = limit(-(error * s.shift + rate * s.shift_damping) - self.integral, s.shift_limit_m);
+        self.integral = self.integral.cap_magnitude(s.shift_limit_m);
+        let shift = -(error * s.shift + rate * s.shift_damping) - self.integral;
+        let shift = shift.cap_magnitude(s.shift_limit_m);
         let shift = if s.ankle { shift } else { Vec2::zeros() };
         // where the legs go: the goal over the feet, shifted
         self.goal.copy_from_slice(goal_q);
@@ -252,8 +253,7 @@ impl Balance {
                 drives[body] =
                     Drive { stiffness, damping, rest: set_points[body].rest(&target, load, stiffness) };
             }
-            let ankle = model.body_of[foot.limb.end].0;
-            self.limit_ankle(model, ankle, foot, force.y * shares[f], q, v, &mut drives[ankle]);
+            self.limit_ankle(model, foot, force.y * shares[f], q, v, &mut drives[foot.body]);
         }
         Ok(())
     }
@@ -362,11 +362,6 @@ fn alike(feet: &[Foot], model: &Model, state: &State) -> Support {
         sums = sums.iter().flat_map(|sum| corners.iter().map(move |c| sum + ground(c))).collect();
     }
     Support::of_plane(sums.iter().map(|p| p / feet.len() as f64).collect())
-}
-
-fn limit(x: Vec2, length: f64) -> Vec2 {
-    let n = x.norm();
-    if n > length { x * (length / n) } else { x }
 }
 
 impl Reactive for Balance {

@@ -33,7 +33,7 @@ use motion::rotation::log;
 use motion::skeleton::{quat_at, vec_at};
 use motion::support::Vec2;
 use motion::{Joint, Vec3};
-use nalgebra::DMatrix;
+use nalgebra::{Cholesky, DMatrix, DVector};
 
 use crate::antagonist::SetPoints;
 use crate::support::{Foot, pressed_wrenches, shared_wrenches};
@@ -84,8 +84,9 @@ pub(super) struct WholeBody {
     mass: DMatrix<f64>,
     bias: Vec<f64>,
     row: Vec<f64>,
-    hessian: Vec<f64>,
-    gradient: Vec<f64>,
+    /// Normal equations, lower triangle.
+    hessian: DMatrix<f64>,
+    gradient: DVector<f64>,
     /// v̇ (`nv`).
     pub accel: Vec<f64>,
     tau: Vec<f64>,
@@ -120,8 +121,8 @@ impl WholeBody {
             mass: DMatrix::zeros(model.nv(), model.nv()),
             bias: rates(),
             row: vec![0.0; n],
-            hessian: vec![0.0; n * n],
-            gradient: vec![0.0; n],
+            hessian: DMatrix::zeros(n, n),
+            gradient: DVector::zeros(n),
             accel: rates(),
             tau: rates(),
             later_q: model.skeleton.zero_pose(),
@@ -146,18 +147,19 @@ impl WholeBody {
         self.posture(model, (q, v), (goal_q, goal_v));
         self.momentum(model, state, wanted, v);
         self.soles(model, state, feet, plants, v);
-        let n = self.dofs.len();
-        factor(&mut self.hessian, n);
-        substitute(&self.hessian, n, &mut self.gradient);
+        // posture tasks alone make it positive definite; a pivot below is rounding
+        let hessian = std::mem::take(&mut self.hessian);
+        let factor = Cholesky::new_with_substitute(hessian, f64::MIN_POSITIVE).expect("a pivot of its own");
+        factor.solve_mut(&mut self.gradient);
+        self.hessian = factor.unpack_dirty();
         self.accel.fill(0.0);
-        for (&dof, x) in self.dofs.iter().zip(&self.gradient) {
+        for (&dof, x) in self.dofs.iter().zip(self.gradient.iter()) {
             self.accel[dof] = *x;
         }
     }
 
     /// Every joint back to the pose asked for.
     fn posture(&mut self, model: &Model, (q, v): (&[f64], &[f64]), (goal_q, goal_v): (&[f64], &[f64])) {
-        let n = self.dofs.len();
         let mut c = 0;
         for &(body, weight) in &self.parts {
             let b = &model.bodies[body];
@@ -165,7 +167,7 @@ impl WholeBody {
             let mut ask = |k: usize, weight: f64, error: f64| {
                 let dof = b.v_at + k;
                 let back = JOINT_RAD_S * JOINT_RAD_S * error + 2.0 * JOINT_RAD_S * (goal_v[dof] - v[dof]);
-                self.hessian[c * n + c] += weight;
+                self.hessian[(c, c)] += weight;
                 self.gradient[c] += weight * back;
                 c += 1;
             };
@@ -219,7 +221,7 @@ impl WholeBody {
         for (f, (foot, plant)) in feet.iter().zip(plants).enumerate() {
             let free = (1.0 - self.shares[f] / HELD).clamp(0.0, 1.0);
             let (back, damp) = (SOLE_RAD_S * SOLE_RAD_S * free, 2.0 * SOLE_RAD_S);
-            let body = model.body_of[foot.limb.end].0;
+            let body = foot.body;
             let s = &state.bodies[body];
             let at = s.origin();
             let away = at - plant.world_from_end.translation.vector;
@@ -241,13 +243,12 @@ impl WholeBody {
 
     /// Adds `weight` (row · v̇ − target)².
     fn task(&mut self, weight: f64, target: f64) {
-        let n = self.dofs.len();
-        for i in 0..n {
-            let x = weight * self.row[i];
+        for (j, &y) in self.row.iter().enumerate() {
+            let x = weight * y;
             if x != 0.0 {
-                self.gradient[i] += x * target;
-                for j in 0..=i {
-                    self.hessian[i * n + j] += x * self.row[j];
+                self.gradient[j] += x * target;
+                for i in j..self.row.len() {
+                    self.hessian[(i, j)] += x * self.row[i];
                 }
             }
         }
@@ -303,36 +304,12 @@ impl WholeBody {
     }
 }
 
-/// Cholesky factor of the symmetric `n × n` matrix in the lower triangle of `a` (rows), in place: `a = L Lᵀ`.
-fn factor(a: &mut [f64], n: usize) {
-    for i in 0..n {
-        for j in 0..=i {
-            let sum: f64 = (0..j).map(|k| a[i * n + k] * a[j * n + k]).sum();
-            let x = a[i * n + j] - sum;
-            a[i * n + j] = if i == j { x.max(f64::MIN_POSITIVE).sqrt() } else { x / a[j * n + j] };
-        }
-    }
-}
-
-/// Replaces `x` by the solution of `L Lᵀ y = x`.
-fn substitute(l: &[f64], n: usize, x: &mut [f64]) {
-    for i in 0..n {
-        let sum: f64 = (0..i).map(|k| l[i * n + k] * x[k]).sum();
-        x[i] = (x[i] - sum) / l[i * n + i];
-    }
-    for i in (0..n).rev() {
-        let sum: f64 = (i + 1..n).map(|k| l[k * n + i] * x[k]).sum();
-        x[i] = (x[i] - sum) / l[i * n + i];
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use std::sync::Arc;
 
     use dynamics::Character;
     use motion::support::ground;
-    use nalgebra::DVector;
 
     use super::*;
 
@@ -392,19 +369,5 @@ mod tests {
                 assert!(moved.0.norm() < 0.05 && moved.1.norm() < 0.2, "{x} {z}: {moved:?}");
             }
         }
-    }
-
-    /// Two roads: the factor and its substitution against a solver of nalgebra.
-    #[test]
-    fn the_factor_solves() {
-        let n = 7;
-        let a = DMatrix::from_fn(n, n, |i, j| ((i * 7 + j * 3) as f64).sin());
-        let a = &a * a.transpose() + DMatrix::identity(n, n);
-        let b = DVector::from_fn(n, |i, _| (i as f64).cos());
-        let (mut l, mut x) = (a.transpose().as_slice().to_vec(), b.as_slice().to_vec());
-        factor(&mut l, n);
-        substitute(&l, n, &mut x);
-        let error = (DVector::from_vec(x) - a.cholesky().unwrap().solve(&b)).norm();
-        assert!(error < 1e-12, "{error}"); // 1e-15 seen
     }
 }
