@@ -47,7 +47,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let every: Vec<&str> = PERFORMANCES.into_iter().chain(CLIPS).collect();
     println!("lengths in mm; jerk over that of the mapped motion; Z_p fell by %; frames outside the cone");
     println!(
-        "                             | slip depth jerk |   Fx   Fy   Fz   Nx   Ny   Nz |   all | root: median, most; slip | cone | s"
+        "                             | slip depth jerk |   Fx   Fy   Fz   Nx   Ny   Nz |   all | root: median, most; slip | cone | steps | s"
     );
     for character in of(1, &CHARACTERS) {
         for performance in of(2, &every) {
@@ -65,7 +65,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
             let sum = |x: &[f64; 6]| x.iter().sum::<f64>();
             let each: Vec<String> = (0..6).map(|i| format!("{:4.0}", share(i))).collect();
             println!(
-                "{character:8} {performance:10} {:5.1} s | {:.2} {:.2} {:.2} | {} | {:5.1} | {:5.1} {:5.1} {:.2} | {:2} → {:2} | {seconds:.1}",
+                "{character:8} {performance:10} {:5.1} s | {:.2} {:.2} {:.2} | {} | {:5.1} | {:5.1} {:5.1} {:.2} | {:2} → {:2} | {:2} | {seconds:.1}",
                 done.clip.duration_s(),
                 1e3 * c.slip_m,
                 1e3 * c.penetration_m,
@@ -77,6 +77,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
                 1e3 * r.slip_m,
                 r.cone_before.len(),
                 r.cone_after.len(),
+                r.iterations,
             );
         }
     }

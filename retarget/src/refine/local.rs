@@ -77,21 +77,27 @@ impl Local {
             for j in 0..d {
                 gradient[at + j] += (0..orders).map(|a| phi[a] * g[a * d + j]).sum::<f64>();
             }
-            // Q of this function: n × d, by rows
-            for i in 0..orders * d {
-                for j in 0..d {
-                    half[i * d + j] = (0..orders).map(|b| phi[b] * q[i * n + b * d + j]).sum();
+            // this function's columns of Q Φ, one after the other: Q is symmetric
+            for j in 0..d {
+                let column = &mut half[j * n..j * n + orders * d];
+                column.fill(0.0);
+                for (b, x) in phi.iter().enumerate().take(orders) {
+                    let row = &q[(b * d + j) * n..];
+                    column.iter_mut().zip(row).for_each(|(h, q)| *h += x * q);
                 }
             }
             for (i, other) in active.phi.iter().enumerate().skip(l) {
-                for a in 0..d {
-                    let to = (first + i) * d + a;
-                    let count = if i == l { a + 1 } else { d };
-                    let row = normal.row_mut(to, at, count);
-                    for order in 0..orders {
-                        let x = other[order];
-                        let from = &half[(order * d + a) * d..(order * d + a) * d + count];
-                        row.iter_mut().zip(from).for_each(|(r, h)| *r += x * h);
+                for j in 0..d {
+                    let to = normal.column_mut(first + i, at + j);
+                    let h = &half[j * n..(j + 1) * n];
+                    if rates {
+                        let (pose, rest) = h.split_at(d);
+                        let (rate, bend) = rest.split_at(d);
+                        for (((r, p), v), a) in to.iter_mut().zip(pose).zip(rate).zip(bend) {
+                            *r += other[0] * p + other[1] * v + other[2] * a;
+                        }
+                    } else {
+                        to.iter_mut().zip(h).for_each(|(r, p)| *r += other[0] * p);
                     }
                 }
             }

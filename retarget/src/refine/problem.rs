@@ -140,9 +140,8 @@ impl<'a> Problem<'a> {
     /// The weights of the stretch that cost least, and the steps taken.
     pub fn solve(&mut self, scratch: &mut [Band; 2]) -> Result<(Vec<f64>, usize), RetargetError> {
         let n = self.stretch.functions.len() * self.dofs.len();
-        let width = (2 * super::basis::REACH + 1) * self.dofs.len() - 1;
         let [normal, factor] = scratch;
-        normal.reset(n, width);
+        normal.reset(self.stretch.functions.len(), self.dofs.len(), 2 * super::basis::REACH);
         let (mut w, mut gradient) = (self.begin.clone(), vec![0.0; n]);
         let mut clip = self.displaced(&w);
         let mut cost = self.cost(&clip, &w);

@@ -33,7 +33,7 @@ pub(super) fn solve(
     let functions = |seconds: f64| (seconds / setting.options.spacing_s).ceil() as usize;
     let (length, overlap) = (functions(LENGTH_S).max(1), functions(OVERLAP_S).max(REACH));
     let mut w = vec![0.0; basis.len() * d];
-    let mut scratch = [Band::zeros(0, 0), Band::zeros(0, 0)];
+    let mut scratch = [Band::default(), Band::default()];
     let (mut from, mut steps) = (0, 0);
     while from < basis.len() {
         let rest = basis.len() - from;
