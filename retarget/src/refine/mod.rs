@@ -36,6 +36,7 @@
 
 pub mod band;
 pub mod basis;
+mod descent;
 mod local;
 pub mod physics;
 mod problem;
