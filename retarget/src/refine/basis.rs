@@ -17,6 +17,9 @@ use motion::{Clip, Derivatives, Joint, Link, Skeleton, Vec3};
 
 /// Reach of a function in spacings.
 pub const REACH: usize = 8;
+/// Spacings beyond which two functions count as apart in the normal equations. Their product is below exp(−COUPLED²/8) = 1.5e-8
+/// there; the equations guide steps, of which cost and gradient are complete.
+pub const COUPLED: usize = 12;
 /// Functions beyond each end of the motion, so that its ends can be moved as freely as its middle.
 const OUTSIDE: usize = 2;
 

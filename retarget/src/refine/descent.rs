@@ -11,13 +11,16 @@
 //! *Chords first* ([`Ground::Chord`]), as long as they lead down: they reach a ground that is too far to be felt, and stop at the
 //! depth that carries. What they find is then a start for the slopes of the cost itself.
 //!
+//! *Limits* of joints that a step runs beyond are added to its equations, and it is solved again ([`Problem::foresee`]): damping that
+//! keeps one knee from its limit keeps everything else from moving.
+//!
 //! *Enough.* Half a cost a frame is what a slip of 1 mm costs. A step counts for nothing where less than
 //! [`ENOUGH`] of that, or of the cost, can be gained by it; of steps that damping holds back two must do so.
 //!
 //! Nielsen. Damping parameter in Marquardt's method. IMM-REP-1999-05, Technical University of Denmark.
 
 use super::band::Band;
-use super::basis::REACH;
+use super::basis::COUPLED;
 use super::physics::Ground;
 use super::problem::Problem;
 use crate::RetargetError;
@@ -30,6 +33,8 @@ const BEGIN: f64 = 1e-2;
 const FREE: f64 = 1e-3;
 /// Damping beyond which nothing is gained by a chord, and by anything.
 const MOST: [f64; 2] = [1e2, 1e6];
+/// How often the limits that a step ran beyond are added to it, before damping grows.
+const FORESEEN: usize = 3;
 /// Share of diag A in the metric.
 const EVERY: f64 = 0.3;
 
@@ -72,8 +77,8 @@ pub(super) fn descend(
 ) -> Result<(Vec<f64>, usize), RetargetError> {
     let (functions, dofs, frames) = problem.shape();
     let Scratch { normal, factor, metric } = scratch;
-    normal.reset(functions, dofs, 2 * REACH);
-    metric.reset(functions, dofs, 2 * REACH);
+    normal.reset(functions, dofs, COUPLED);
+    metric.reset(functions, dofs, COUPLED);
     let n = functions * dofs;
     let forces = problem.has_forces();
     let every = if forces { EVERY } else { 1.0 };
@@ -88,6 +93,7 @@ pub(super) fn descend(
             *metric.at(i, i) += every * *normal.at(i, i);
         }
         let enough = ENOUGH * cost.min(0.5 * frames as f64);
+        let (mut foreseen, mut beyond) = (0, 0.0);
         let done = loop {
             let mut step: Vec<f64> = gradient.iter().map(|g| -g).collect();
             factor.clone_from(normal);
@@ -102,21 +108,31 @@ pub(super) fn descend(
             }
             // −gᵀh − ½ hᵀA h with A h = −g − λ M h
             let along: f64 = step.iter().zip(&gradient).map(|(h, g)| h * g).sum();
-            let predicted = 0.5 * (damping.now * metric.quadratic(&step) - along);
+            let predicted = 0.5 * (damping.now * metric.quadratic(&step) - along) - beyond;
+            let nothing = predicted < enough && beyond == 0.0;
             let tried: Vec<f64> = w.iter().zip(&step).map(|(a, b)| a + b).collect();
             let moved = problem.displaced(&tried);
             let lower = problem.cost(&moved, &tried);
             if lower < cost {
-                idle = if predicted < enough { idle + 1 } else { 0 };
+                idle = if nothing { idle + 1 } else { 0 };
                 let last = idle == 2 || (idle == 1 && damping.now < FREE);
-                damping.gained((cost - lower) / predicted);
+                // what was foreseen is no measure of the equations
+                damping.gained(if beyond > 0.0 { 0.5 } else { (cost - lower) / predicted });
                 (w, clip, cost) = (tried, moved, lower);
                 steps += 1;
                 break last;
             }
             let most = if ground == Ground::Chord { MOST[0] } else { MOST[1] };
-            if predicted < enough || damping.now > most {
+            if nothing || damping.now > most {
                 break true;
+            }
+            if forces && foreseen < FORESEEN {
+                foreseen += 1;
+                let more = problem.foresee(&moved, &step, normal, &mut gradient);
+                if more > 0.0 {
+                    beyond += more;
+                    continue;
+                }
             }
             damping.failed();
         };

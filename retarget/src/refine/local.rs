@@ -7,7 +7,7 @@
 use motion::Vec3;
 
 use super::band::Band;
-use super::basis::Active;
+use super::basis::{Active, COUPLED};
 
 /// The quadratic of one frame in `x`. See the module header.
 pub(super) struct Local {
@@ -86,7 +86,7 @@ impl Local {
                     column.iter_mut().zip(row).for_each(|(h, q)| *h += x * q);
                 }
             }
-            for (i, other) in active.phi.iter().enumerate().skip(l) {
+            for (i, other) in active.phi.iter().enumerate().skip(l).take(COUPLED + 1) {
                 for j in 0..d {
                     let to = normal.column_mut(first + i, at + j);
                     let h = &half[j * n..(j + 1) * n];

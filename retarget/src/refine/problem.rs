@@ -352,17 +352,7 @@ impl<'a> Problem<'a> {
                 self.along(link, &at, &axis, error, 1.0 / self.slip_m(), local);
             }
         }
-        for (l, link) in clip.skeleton.links().iter().enumerate() {
-            let Some(e) = way_back(&clip.skeleton, q, l) else { continue };
-            let direction = e.normalize();
-            local.clear_row();
-            for a in 0..link.joint.nv() {
-                if let Some(j) = self.moved[clip.skeleton.v_at(l) + a] {
-                    local.row[j] = -LIMIT.sqrt() * direction[a];
-                }
-            }
-            local.add_row(LIMIT.sqrt() * e.norm(), self.dofs.len());
-        }
+        self.limits(q, local, |local, r| local.add_row(r, local.d));
         if let Some(solids) = self.setting.solids {
             let mut touches = Vec::new();
             solids.touches(&self.k, &mut touches);
@@ -382,6 +372,60 @@ impl<'a> Problem<'a> {
                 local.add_row(TOUCH.sqrt() * t.depth_m, self.dofs.len());
             }
         }
+    }
+
+    /// Joints of a pose beyond their limits: each is put into `local.row`, its residual handed on.
+    fn limits(&self, q: &[f64], local: &mut Local, mut put: impl FnMut(&mut Local, f64)) {
+        let skeleton = &self.base.skeleton;
+        for (l, link) in skeleton.links().iter().enumerate() {
+            let Some(e) = way_back(skeleton, q, l) else { continue };
+            let direction = e.normalize();
+            local.clear_row();
+            for a in 0..link.joint.nv() {
+                if let Some(j) = self.moved[skeleton.v_at(l) + a] {
+                    local.row[j] = -LIMIT.sqrt() * direction[a];
+                }
+            }
+            put(local, LIMIT.sqrt() * e.norm());
+        }
+    }
+
+    /// Adds limits that a step ran beyond to the normal equations it was made of, as if they had been met already; returns
+    /// what they add to the cost before the step, 0 if there are none.
+    ///
+    /// A limit with residual `r` and slope J after a step Δ had `r − JΔ` before it: if that is not positive, the step knew
+    /// nothing of it. (Foreseeing touches in the same way gained nothing: a ball pushes another way after every step.)
+    pub(super) fn foresee(
+        &self,
+        moved: &Clip,
+        step: &[f64],
+        normal: &mut Band,
+        gradient: &mut [f64],
+    ) -> f64 {
+        let d = self.dofs.len();
+        let (mut local, mut way, mut cost) = (Local::new(d), vec![0.0; d], 0.0);
+        for (i, _) in self.counted() {
+            let active = &self.active[i];
+            let first = active.first - self.stretch.functions.start;
+            for (j, x) in way.iter_mut().enumerate() {
+                let terms = active.phi.iter().enumerate();
+                *x = terms.map(|(l, phi)| phi[0] * step[(first + l) * d + j]).sum();
+            }
+            local.clear();
+            let mut found = false;
+            self.limits(moved.pose(i), &mut local, |local, r| {
+                let before = r - local.row.iter().zip(&way).map(|(j, x)| j * x).sum::<f64>();
+                if before <= 0.0 {
+                    local.add_row(before, d);
+                    cost += 0.5 * before * before;
+                    found = true;
+                }
+            });
+            if found {
+                local.carry(active, first, normal, gradient, false);
+            }
+        }
+        cost
     }
 
     /// ½ weight |error|² of a point.
