@@ -31,7 +31,7 @@ fn fell(before: &[f64], after: &[f64]) -> f64 {
 #[test]
 fn contacts_hold_and_vertical_forces_match() {
     for character in ["lamp", "penguin", "squirrel"] {
-        for performance in ["anger", "dance", "disgust", "fear"] {
+        for performance in ["anger", "dance", "disgust", "fear", "16_21"] {
             let options = Options { rate_hz: Some(30.0), ..Options::default() };
             let done = run(&session(performance, character), &options);
             let (c, r) = (done.contact.unwrap(), done.refinement.unwrap());
@@ -39,9 +39,7 @@ fn contacts_hold_and_vertical_forces_match() {
             println!("{character} {performance}: {c:?}, vertical −{:.1} %", 100.0 * vertical);
             assert!(c.slip_m <= 1e-3, "{character} {performance}"); // 0.04 mm seen
             assert!(c.penetration_m <= 5e-3, "{character} {performance}"); // 2.2 mm seen
-            // 95 % seen, but of a disgusted lamp that swings its arm while its plate stands: 69 %
-            let least = if (character, performance) == ("lamp", "disgust") { 0.65 } else { 0.8 };
-            assert!(vertical >= least, "{character} {performance}: {vertical}");
+            assert!(vertical >= 0.8, "{character} {performance}: {vertical}"); // 88 % seen of a captured walk, 95 % else
             assert!(r.root_median_m <= 0.02, "{character} {performance}"); // 1.5 mm seen
             assert!(r.slip_m <= 2e-3, "{character} {performance}: {}", r.slip_m);
         }

@@ -307,8 +307,11 @@ mod tests {
             let x: Vec<f64> = (0..n).map(|i| (i as f64 * 0.7).sin()).collect();
             let value = |i: usize, j: usize| if inside(i, j) { entry(i.max(j), i.min(j)) } else { 0.0 };
             let mut b: Vec<f64> = (0..n).map(|i| (0..n).map(|j| value(i, j) * x[j]).sum()).collect();
+            a.add(0.5, &a.clone());
+            b.iter_mut().for_each(|b| *b *= 1.5);
             let square: f64 = x.iter().zip(&b).map(|(x, b)| x * b).sum();
-            assert!((a.quadratic(&x) / square - 1.0).abs() < 1e-12, "{blocks} {size} {reach}"); // 1e-15 seen
+            let error = (a.quadratic(&x) - square).abs() / square.max(1.0);
+            assert!(error < 1e-12, "{blocks} {size} {reach}: {error}"); // 1e-15 seen
             a.solve(&mut b).unwrap();
             let worst = b.iter().zip(&x).map(|(p, q)| (p - q).abs()).fold(0.0, f64::max);
             assert!(worst < 1e-11, "{blocks} {size} {reach}: {worst}"); // 1e-14 seen

@@ -100,6 +100,7 @@ pub(super) fn descend(
             factor.add(damping.now, metric);
             // overlapping functions are nearly dependent: rounding may need more damping
             if let Err(row) = factor.solve(&mut step) {
+                eprintln!("row {row} damping {} gradient {} normal {} metric {}", damping.now, gradient.iter().all(|x| x.is_finite()), *normal.at(row, row), *metric.at(row, row));
                 damping.failed();
                 if damping.now > MOST[1] {
                     return Err(RetargetError::Singular { row });

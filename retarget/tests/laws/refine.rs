@@ -1,5 +1,6 @@
 //! Physics refinement.
 
+use motion::Vec3;
 use retarget::refine::refine;
 use retarget::{RefineDofs, RefineOptions, RefinementReport};
 
@@ -55,5 +56,24 @@ fn root_and_legs_match_all_six() {
         say(&format!("{clip} × {size}, root and legs"), &r);
         assert!(falls(&r).1 >= 0.8, "{clip}"); // 91 % seen of a walk, 99.9 % of standing
         assert!(r.root_median_m <= 0.02 && r.slip_m <= 2e-3);
+    }
+}
+
+/// A body that hovers above the ground it should stand on feels nothing of it, and comes down all the same.
+#[test]
+fn the_ground_is_found_from_above() {
+    for above_m in [0.005, 0.02] {
+        let Held { puppet, mut clip, phases: found, .. } = held("14_37", 0.7, 1.0);
+        let s = clip.skeleton.clone();
+        for i in 0..clip.frames() {
+            let p = s.position(clip.pose(i), 0) + Vec3::y() * above_m;
+            s.set_position(clip.pose_mut(i), 0, &p);
+        }
+        let variance = vec![4e-4; clip.frames()];
+        let options = RefineOptions { collisions: false, ..RefineOptions::default() };
+        let (_, r) = refine(&puppet, &clip, &found, &variance, &options).unwrap();
+        say(&format!("{above_m} m above the ground"), &r);
+        assert!(falls(&r).0 >= 0.99, "{above_m}"); // 99.9 % seen; 0 by tangents alone
+        assert!((r.root_median_m - above_m).abs() < 0.003, "{above_m}"); // and sinks in by 1.5 mm
     }
 }
