@@ -89,9 +89,7 @@ pub(super) fn descend(
     let (mut damping, mut steps, mut idle) = (Damping::new(), 0, 0);
     while steps < most_steps {
         problem.linearise((&clip, &w), ground, normal, metric, &mut gradient);
-        for i in 0..n {
-            *metric.at(i, i) += every * *normal.at(i, i);
-        }
+        add_every(metric, every, normal);
         let enough = ENOUGH * cost.min(0.5 * frames as f64);
         let (mut foreseen, mut beyond) = (0, 0.0);
         let done = loop {
@@ -114,6 +112,7 @@ pub(super) fn descend(
             let tried: Vec<f64> = w.iter().zip(&step).map(|(a, b)| a + b).collect();
             let moved = problem.displaced(&tried);
             let lower = problem.cost(&moved, &tried);
+            if std::env::var_os("REFDBG").is_some() { eprintln!("    {ground:?} step {steps} damping {:.0e}: {cost:.4} -> {lower:.4} predicted {predicted:.4} beyond {beyond:.2}", damping.now); }
             if lower < cost {
                 idle = if nothing { idle + 1 } else { 0 };
                 let last = idle == 2 || (idle == 1 && damping.now < FREE);
@@ -130,10 +129,16 @@ pub(super) fn descend(
             if forces && foreseen < FORESEEN {
                 foreseen += 1;
                 let more = problem.foresee(&moved, &step, normal, &mut gradient);
+                beyond += more;
                 if more > 0.0 {
-                    beyond += more;
                     continue;
                 }
+            }
+            if beyond > 0.0 {
+                // they were no help, and pull
+                problem.linearise((&clip, &w), ground, normal, metric, &mut gradient);
+                add_every(metric, every, normal);
+                (foreseen, beyond) = (FORESEEN, 0.0);
             }
             damping.failed();
         };
@@ -145,4 +150,11 @@ pub(super) fn descend(
         }
     }
     Ok((w, steps))
+}
+
+/// Adds a share of the diagonal of `A` to the metric.
+fn add_every(metric: &mut Band, every: f64, normal: &mut Band) {
+    for i in 0..normal.len() {
+        *metric.at(i, i) += every * *normal.at(i, i);
+    }
 }

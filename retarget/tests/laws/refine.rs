@@ -73,7 +73,7 @@ fn the_ground_is_found_from_above() {
         let options = RefineOptions { collisions: false, ..RefineOptions::default() };
         let (_, r) = refine(&puppet, &clip, &found, &variance, &options).unwrap();
         say(&format!("{above_m} m above the ground"), &r);
-        assert!(falls(&r).0 >= 0.99, "{above_m}"); // 99.9 % seen; 0 by tangents alone
+        assert!(falls(&r).0 >= 0.99, "{above_m}"); // 99.98 % seen; 33 % from 5 mm by tangents alone
         assert!((r.root_median_m - above_m).abs() < 0.003, "{above_m}"); // and sinks in by 1.5 mm
     }
 }
