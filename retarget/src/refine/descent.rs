@@ -26,7 +26,7 @@ use super::problem::Problem;
 use crate::RetargetError;
 
 /// Share of a cost that is not worth a step.
-const ENOUGH: f64 = 1e-3;
+const ENOUGH: f64 = 3e-3;
 /// Damping to begin with.
 const BEGIN: f64 = 1e-2;
 /// Damping that does not hold a step back.
@@ -34,7 +34,7 @@ const FREE: f64 = 1e-3;
 /// Damping beyond which nothing is gained by a chord, and by anything.
 const MOST: [f64; 2] = [1e2, 1e6];
 /// How often the limits that a step ran beyond are added to it, before damping grows.
-const FORESEEN: usize = 3;
+const FORESEEN: usize = 2;
 /// Share of diag A in the metric.
 const EVERY: f64 = 0.3;
 
@@ -98,7 +98,6 @@ pub(super) fn descend(
             factor.add(damping.now, metric);
             // overlapping functions are nearly dependent: rounding may need more damping
             if let Err(row) = factor.solve(&mut step) {
-                eprintln!("row {row} damping {} gradient {} normal {} metric {}", damping.now, gradient.iter().all(|x| x.is_finite()), *normal.at(row, row), *metric.at(row, row));
                 damping.failed();
                 if damping.now > MOST[1] {
                     return Err(RetargetError::Singular { row });
@@ -112,7 +111,6 @@ pub(super) fn descend(
             let tried: Vec<f64> = w.iter().zip(&step).map(|(a, b)| a + b).collect();
             let moved = problem.displaced(&tried);
             let lower = problem.cost(&moved, &tried);
-            if std::env::var_os("REFDBG").is_some() { eprintln!("    {ground:?} step {steps} damping {:.0e}: {cost:.4} -> {lower:.4} predicted {predicted:.4} beyond {beyond:.2}", damping.now); }
             if lower < cost {
                 idle = if nothing { idle + 1 } else { 0 };
                 let last = idle == 2 || (idle == 1 && damping.now < FREE);

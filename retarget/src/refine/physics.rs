@@ -167,7 +167,8 @@ impl Physics {
     fn chord(&self, z: f64, normal: f64, more: f64) -> Option<f64> {
         let wanted = (normal + more).max(0.5 * self.penalty.f_0);
         let (rise, way) = (wanted - normal, self.penalty.rest_height(wanted) - z);
-        (rise.abs() > 0.01 * self.penalty.f_0 && way * rise < 0.0).then(|| (rise / way).max(-self.penalty.k_p))
+        (rise.abs() > 0.01 * self.penalty.f_0 && way * rise < 0.0)
+            .then(|| (rise / way).max(-self.penalty.k_p))
     }
 
     /// Slopes at the frame given last to [`Physics::forces`] (same arguments, which gave `forces`).

@@ -14,10 +14,10 @@ use super::local::Local;
 use super::physics::{Forces, Ground, Physics, Slopes};
 use super::solids::{Solids, Touch};
 use super::{CONE_SHARE, GRAVITY, INDEPENDENT_S, LEAST_DEVIATION_M, REFERENCE_KG, SLIP_M};
+use crate::Puppet;
 use crate::axes::Axes;
 use crate::limits::way_back;
 use crate::options::{CONE, RefineDofs, RefineOptions};
-use crate::Puppet;
 
 /// Cost of a joint's way beyond its limits, 1/rad².
 const LIMIT: f64 = 1e4;
@@ -395,13 +395,7 @@ impl<'a> Problem<'a> {
     ///
     /// A limit with residual `r` and slope J after a step Δ had `r − JΔ` before it: if that is not positive, the step knew
     /// nothing of it. (Foreseeing touches in the same way gained nothing: a ball pushes another way after every step.)
-    pub(super) fn foresee(
-        &self,
-        moved: &Clip,
-        step: &[f64],
-        normal: &mut Band,
-        gradient: &mut [f64],
-    ) -> f64 {
+    pub(super) fn foresee(&self, moved: &Clip, step: &[f64], normal: &mut Band, gradient: &mut [f64]) -> f64 {
         let d = self.dofs.len();
         let (mut local, mut way, mut cost) = (Local::new(d), vec![0.0; d], 0.0);
         for (i, _) in self.counted() {
