@@ -14,8 +14,9 @@
 //! *Limits* of joints that a step runs beyond are added to its equations, and it is solved again ([`Problem::foresee`]): damping that
 //! keeps one knee from its limit keeps everything else from moving.
 //!
-//! *Enough.* Half a cost a frame is what a slip of 1 mm costs. A step counts for nothing where less than
-//! [`ENOUGH`] of that, or of the cost, can be gained by it; of steps that damping holds back two must do so.
+//! *Enough.* Half a cost a frame is what a slip of 1 mm costs. A step counts for nothing where less than [`ENOUGH`] of that, or of
+//! the cost, was predicted of it: what is gained says nothing, a step too far may gain as little. Of steps that damping
+//! holds back two must count for nothing.
 //!
 //! Nielsen. Damping parameter in Marquardt's method. IMM-REP-1999-05, Technical University of Denmark.
 
@@ -27,6 +28,8 @@ use crate::RetargetError;
 
 /// Share of a cost that is not worth a step.
 const ENOUGH: f64 = 3e-3;
+/// Share of what was predicted that a step has to gain: one that gains less has left what its equations know of.
+const LEAST: f64 = 0.25;
 /// Damping to begin with.
 const BEGIN: f64 = 1e-2;
 /// Damping that does not hold a step back.
@@ -111,10 +114,10 @@ pub(super) fn descend(
             let tried: Vec<f64> = w.iter().zip(&step).map(|(a, b)| a + b).collect();
             let moved = problem.displaced(&tried);
             let lower = problem.cost(&moved, &tried);
-            if lower < cost {
+            // what was foreseen is no measure of the equations
+            if lower < cost - if beyond > 0.0 { 0.0 } else { LEAST * predicted } {
                 idle = if nothing { idle + 1 } else { 0 };
                 let last = idle == 2 || (idle == 1 && damping.now < FREE);
-                // what was foreseen is no measure of the equations
                 damping.gained(if beyond > 0.0 { 0.5 } else { (cost - lower) / predicted });
                 (w, clip, cost) = (tried, moved, lower);
                 steps += 1;

@@ -193,7 +193,7 @@ impl<'a> Problem<'a> {
     /// Weight of a newton beyond the cone.
     fn cone_weight(&self, weights: &[f64; 6]) -> f64 {
         let alone = if self.setting.options.dofs == RefineDofs::RootHeight { 1.0 } else { CONE };
-        weights[0] * self.setting.options.cone.unwrap_or(alone).sqrt()
+        weights[1] * self.setting.options.cone.unwrap_or(alone).sqrt()
     }
 
     /// Weight of a point's squared way in a frame: k₂ dt/(τ n σ²).
