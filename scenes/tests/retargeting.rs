@@ -49,7 +49,8 @@ fn contacts_hold_and_vertical_forces_match() {
 /// With root and legs (a lamp's arm is its leg) all six components match, and forces stay inside the friction cone.
 #[test]
 fn root_and_legs_match_all_six_components() {
-    for (character, performance) in [("lamp", "fear"), ("penguin", "disgust"), ("squirrel", "fear")] {
+    let pairs = [("lamp", "fear"), ("lamp", "16_21"), ("penguin", "fear"), ("squirrel", "fear")];
+    for (character, performance) in pairs {
         let mut options = Options { rate_hz: Some(30.0), ..Options::default() };
         options.refine.dofs = RefineDofs::RootAndLegs;
         let done = run(&session(performance, character), &options);
@@ -61,12 +62,11 @@ fn root_and_legs_match_all_six_components() {
             r.cone_before,
             r.cone_after
         );
+        // 98 % seen; 97 % and 15 mm of a walk on the lamp, which hops
         assert!(all >= 0.8, "{character} {performance}: {all}");
         assert!(r.root_median_m <= 0.02 && r.slip_m <= 2e-3, "{character} {performance}");
-        if character != "squirrel" {
-            // 14 → 1 (lamp), 0 → 0 seen
-            assert!(r.cone_after.len() <= 1, "{character} {performance}: {:?}", r.cone_after);
-        }
+        // 3 to 9 before
+        assert!(r.cone_after.is_empty(), "{character} {performance}: {:?}", r.cone_after);
     }
 }
 
