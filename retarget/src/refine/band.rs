@@ -100,11 +100,13 @@ impl Band {
         &mut self.panels[at]
     }
 
-    /// Rows of block `row` in column `j`, which belongs to a block no farther right; of the diagonal block, those above
-    /// the diagonal too: they count for nothing.
-    pub fn column_mut(&mut self, row: usize, j: usize) -> &mut [f64] {
-        let from = self.index(row * self.size, j);
-        &mut self.panels[from..from + self.size]
+    /// Columns of the block in block row `row` and block column `column` ≤ `row`, one after the other; of a diagonal block what is
+    /// above the diagonal counts for nothing.
+    pub fn block_mut(&mut self, row: usize, column: usize) -> impl Iterator<Item = &mut [f64]> {
+        let (size, tile) = (self.size, self.tile());
+        let from = self.index(row * size, column * size);
+        let all = &mut self.panels[from..from + (size - 1) * tile + size];
+        all.chunks_mut(tile).map(move |c| &mut c[..size])
     }
 
     /// The same values everywhere.

@@ -21,7 +21,7 @@
 //! Nielsen. Damping parameter in Marquardt's method. IMM-REP-1999-05, Technical University of Denmark.
 
 use super::band::Band;
-use super::basis::COUPLED;
+use super::basis::NEAR;
 use super::physics::Ground;
 use super::problem::Problem;
 use crate::RetargetError;
@@ -80,8 +80,8 @@ pub(super) fn descend(
 ) -> Result<(Vec<f64>, usize), RetargetError> {
     let (functions, dofs, frames) = problem.shape();
     let Scratch { normal, factor, metric } = scratch;
-    normal.reset(functions, dofs, COUPLED);
-    metric.reset(functions, dofs, COUPLED);
+    normal.reset(functions, dofs, 2 * NEAR);
+    metric.reset(functions, dofs, 2 * NEAR);
     let n = functions * dofs;
     let forces = problem.has_forces();
     let every = if forces { EVERY } else { 1.0 };
