@@ -3,7 +3,7 @@
 //! In: a positive definite matrix of `size × size` blocks, zero where block row and column are more than `reach` apart.
 //! Out: the solution. Factoring takes `n (reach · size)²` multiplications and as many additions for `n` rows.
 //!
-//! *Storage.* Block rows are taken together to panels of some [`PANEL`] rows. A panel holds its columns one after the
+//! *Storage.* Block rows are taken together to panels of some `PANEL` rows. A panel holds its columns one after the
 //! other, from the first that any of its rows needs up to its diagonal: what two panels have to do with each other is
 //! then a product of two dense matrices, whose factors fit into the caches.
 //!

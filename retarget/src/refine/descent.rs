@@ -114,11 +114,10 @@ pub(super) fn descend(
             let tried: Vec<f64> = w.iter().zip(&step).map(|(a, b)| a + b).collect();
             let moved = problem.displaced(&tried);
             let lower = problem.cost(&moved, &tried);
-            // what was foreseen is no measure of the equations
-            if lower < cost - if beyond > 0.0 { 0.0 } else { LEAST * predicted } {
+            if lower < cost - LEAST * predicted.max(0.0) {
                 idle = if nothing { idle + 1 } else { 0 };
                 let last = idle == 2 || (idle == 1 && damping.now < FREE);
-                damping.gained(if beyond > 0.0 { 0.5 } else { (cost - lower) / predicted });
+                damping.gained((cost - lower) / predicted);
                 (w, clip, cost) = (tried, moved, lower);
                 steps += 1;
                 break last;
