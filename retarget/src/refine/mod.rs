@@ -130,7 +130,9 @@ pub fn refine(
                 ..options.clone()
             };
             let setting = Setting { options: &wide, ..setting };
-            iterations += windows::solve(setting, &mut out, &dofs, false, &|s| giving(s.counted.clone()))?;
+            // what gives way in the whole clip: legs that stand never do where arms can anywhere
+            let moving = |s: Range<usize>| giving(s).into_iter().filter(|d| dofs.contains(d)).collect();
+            iterations += windows::solve(setting, &mut out, &dofs, false, &|s| moving(s.counted.clone()))?;
         }
     }
     // the root's height alone can do nothing about a hand in a hip
