@@ -16,7 +16,7 @@
 use dynamics::{Model, State};
 use motion::{Kinematics, Quat, Transform, Vec3};
 
-use crate::contacts::paths::{Span, floored};
+use crate::contacts::paths::Span;
 use crate::contacts::phases::{LEAVE, follows, groups};
 use crate::contacts::reach::Reach;
 use crate::fit::place_root;
@@ -28,6 +28,8 @@ use crate::{Follow, Mapping, Options, Performer, Puppet, RetargetError};
 pub const LAND_S: f64 = 0.1;
 /// Time in which a point that leaves returns to its own path, s.
 pub const LEAVE_S: f64 = 0.3;
+/// Depth that a flying point approaches but never reaches, m.
+const FLOOR_M: f64 = 0.004;
 
 /// The character now.
 #[derive(Clone, Copy, Debug)]
@@ -211,7 +213,7 @@ impl<'m> Live<'m> {
         self.goals();
         // a point that is still landing gives way to those of its link that have landed
         let (goals, down, points) = (&self.goals, &self.down, &self.points);
-        let rests = |c: usize| down[c] && points[c].since_s >= LAND_S;
+        let rests = |c: usize| if down[c] && points[c].since_s >= LAND_S { 1.0 } else { 0.0 };
         self.reach.solve(&self.world, &|c| (goals[c], rests(c)), &mut self.pose);
         self.frames += 1;
         Ok(LiveFrame { pose: &self.pose, mapped, down: &self.down })
@@ -309,6 +311,11 @@ fn fitted(mut place: Vec3, others: &[(Vec3, f64)]) -> Vec3 {
         }
     }
     place
+}
+
+/// Height kept above −[`FLOOR_M`].
+fn floored(y: f64) -> f64 {
+    if y < 0.0 { y / (1.0 + (y / FLOOR_M).powi(2)).sqrt() } else { y }
 }
 
 /// What is left of a point's offset.

@@ -6,16 +6,17 @@
 //! | module | holds |
 //! |---|---|
 //! | [`phases`] | when human points touch, and the character's with them |
-//! | [`paths`] | where each point has to be in every frame |
+//! | [`paths`] | where each point has to be in every frame: [`planted`], link by link |
 //! | [`reach`] | the pose that puts the points there |
 //!
 //! \[YAH10\] Yamane, Ariki, Hodgins. Animating Non-Humanoid Characters with Human Motion Data, SCA 2010.
 
 pub mod paths;
 pub mod phases;
+mod planted;
 pub mod reach;
 
-use motion::{Clip, Vec3};
+use motion::{Clip, Vec3, smoothstep};
 
 use crate::global_transform::low_pass;
 use crate::result::ContactReport;
@@ -49,11 +50,11 @@ pub fn adjust(
     let spans = phases::spans(puppet, phases, clip)?;
     let before = point_paths(puppet, clip);
     let goals = held_paths(puppet, &before, &spans, clip.rate_hz);
+    let hold: Vec<Vec<f64>> = spans.iter().map(|s| firmness(s, clip)).collect();
     let mut reach = Reach::new(puppet, &spans);
     let mut out = clip.clone();
     let put = |reach: &mut Reach, from: &[f64], i: usize, q: &mut [f64]| {
-        let resting = |c: usize| spans[c].iter().any(|s| s.first <= i && i <= s.last);
-        reach.solve(from, &|c| (goals[c][i], resting(c)), q);
+        reach.solve(from, &|c| (goals[c][i], hold[c][i]), q);
     };
     for i in 0..clip.frames() {
         put(&mut reach, clip.pose(i), i, out.pose_mut(i));
@@ -80,6 +81,14 @@ pub fn adjust(
     Ok((out, report))
 }
 
+/// How firmly a point is held in each frame: 1 in its phases, fading beside them.
+fn firmness(spans: &[Span], clip: &Clip) -> Vec<f64> {
+    let away = |i: usize| spans.iter().map(|s| s.first.saturating_sub(i).max(i.saturating_sub(s.last))).min();
+    let fade = FADE_S * clip.rate_hz;
+    let of_frame = |i: usize| away(i).map_or(0.0, |frames| 1.0 - smoothstep(frames as f64 / fade));
+    (0..clip.frames()).map(of_frame).collect()
+}
+
 /// World positions of the contact points in every frame, one path per point.
 pub fn point_paths(puppet: &Puppet, clip: &Clip) -> Vec<Path> {
     let sites = puppet.character.skeleton.sites();
@@ -99,6 +108,8 @@ const ROOT_DOFS: usize = 6;
 /// The root follows its contacts below this frequency, Hz: above, the legs do.
 const ROOT_HZ: f64 = 2.0;
 
+/// Time beside a phase in which a point comes to count as it does in it, s.
+const FADE_S: f64 = 0.2;
 /// Frames on either side of a phase's end in which jerk is looked at, s.
 const NEAR_S: f64 = 0.1;
 

@@ -133,8 +133,8 @@ impl Reach {
 
     /// Writes the pose near `from` whose points are at their goals into `q`.
     ///
-    /// * `goal`: of each contact point, and whether it is in a phase
-    pub fn solve(&mut self, from: &[f64], goal: &dyn Fn(usize) -> (Vec3, bool), q: &mut [f64]) {
+    /// * `goal`: of each contact point, and how firmly it is held there: 1 in a phase, 0 in flight
+    pub fn solve(&mut self, from: &[f64], goal: &dyn Fn(usize) -> (Vec3, f64), q: &mut [f64]) {
         q.copy_from_slice(from);
         let n = self.weights.len();
         self.points.iter_mut().for_each(|p| p.pushed = false);
@@ -150,12 +150,12 @@ impl Reach {
             for i in 0..self.points.len() {
                 let p = &self.points[i];
                 let at = self.k.point(p.link, &p.at);
-                let (place, resting) = goal(p.contact);
+                let (place, firm) = goal(p.contact);
                 if p.everywhere {
-                    self.pull(i, &at, &(place - at), if resting { GOAL } else { FLIGHT });
+                    self.pull(i, &at, &(place - at), FLIGHT * (GOAL / FLIGHT).powf(firm));
                 }
                 // once pushed, always pushed: let go on the way it would swing between the two
-                self.points[i].pushed |= step >= SETTLE && at.y < -DEPTH_M && !resting;
+                self.points[i].pushed |= step >= SETTLE && at.y < -DEPTH_M && firm < 1.0;
                 if self.points[i].pushed {
                     self.lift(i, &at, -DEPTH_M - at.y);
                 }
