@@ -29,7 +29,7 @@ pub fn held_paths(puppet: &Puppet, paths: &[Path], spans: &[Vec<Span>], rate_hz:
         }
         let sources = of_link.iter().map(|&c| &paths[c]).collect();
         let spans: Vec<&[Span]> = of_link.iter().map(|&c| spans[c].as_slice()).collect();
-        for (&c, path) in of_link.iter().zip(Planted::new(sources, &spans, rate_hz).solve()) {
+        for (&c, path) in of_link.iter().zip(Planted::new(sources, &spans, rate_hz).solve(&spans)) {
             out[c] = path;
         }
     }
