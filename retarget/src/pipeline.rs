@@ -2,6 +2,7 @@
 
 use motion::{Clip, Smoothing, smooth};
 
+use crate::contacts::pace::pace;
 use crate::contacts::{adjust, phases};
 use crate::global_transform::global_transform;
 use crate::mapping::{Mapping, map_clip};
@@ -63,6 +64,7 @@ pub fn run_with(
     out.phases = phases::find(performer, &out.human, puppet, &options.contact)?;
     if options.contact.phases.is_none() {
         out.phases = phases::landing(puppet, &out.clip, &out.phases)?;
+        out.phases = pace(puppet, &out.clip, &out.phases, &options.contact)?;
     }
     let (held, contact) = adjust(puppet, &out.clip, &out.phases)?;
     out.reached(Stage::Contact, held);

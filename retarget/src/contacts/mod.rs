@@ -6,11 +6,13 @@
 //! | module | holds |
 //! |---|---|
 //! | [`phases`] | when human points touch, and the character's with them |
+//! | [`pace`] | phases that give way to steps that need more time |
 //! | [`paths`] | where each point has to be in every frame: [`planted`], link by link |
 //! | [`reach`] | the pose that puts the points there |
 //!
 //! \[YAH10\] Yamane, Ariki, Hodgins. Animating Non-Humanoid Characters with Human Motion Data, SCA 2010.
 
+pub mod pace;
 pub mod paths;
 pub mod phases;
 mod planted;
@@ -116,17 +118,14 @@ const NEAR_S: f64 = 0.1;
 /// What is left to see: slip and depth of the points, jerk near the phases' ends against the source.
 pub fn report(source: &[Path], result: &[Path], spans: &[Vec<Span>], rate_hz: f64) -> ContactReport {
     let mut out = ContactReport::default();
-    let near = (NEAR_S * rate_hz).ceil() as usize;
     let (mut theirs, mut own) = (0.0f64, 0.0f64);
     for ((before, after), spans) in source.iter().zip(result).zip(spans) {
         out.penetration_m = after.iter().map(|p| -p.y).fold(out.penetration_m, f64::max);
         for s in spans {
             out.slip_m = out.slip_m.max(slip(&after[s.first..=s.last]));
             for end in [s.first, s.last] {
-                let from = end.saturating_sub(near);
-                let to = (end + near).min(after.len() - 1);
-                theirs = theirs.max(peak_jerk(&before[from..=to]));
-                own = own.max(peak_jerk(&after[from..=to]));
+                theirs = theirs.max(peak_near(before, end, rate_hz));
+                own = own.max(peak_near(after, end, rate_hz));
             }
         }
     }
@@ -140,7 +139,9 @@ fn slip(p: &[Vec3]) -> f64 {
     p.iter().map(|x| (x.x - mean.x).hypot(x.z - mean.z)).fold(0.0, f64::max)
 }
 
-/// Largest third difference, m.
-fn peak_jerk(p: &[Vec3]) -> f64 {
-    p.windows(4).map(|w| (w[3] - (w[2] - w[1]) * 3.0 - w[0]).norm()).fold(0.0, f64::max)
+/// Largest third difference near a phase's end, m.
+fn peak_near(p: &[Vec3], end: usize, rate_hz: f64) -> f64 {
+    let near = (NEAR_S * rate_hz).ceil() as usize;
+    let around = &p[end.saturating_sub(near)..=(end + near).min(p.len() - 1)];
+    around.windows(4).map(|w| (w[3] - (w[2] - w[1]) * 3.0 - w[0]).norm()).fold(0.0, f64::max)
 }

@@ -277,7 +277,11 @@ mod tests {
             let (n, mut a) = (blocks * size, Band::zeros(blocks, size, reach));
             let inside = |i: usize, j: usize| (i / size).abs_diff(j / size) <= reach;
             let entry = |i: usize, j: usize| {
-                if i == j { 2.0 * (size * (reach + 1)) as f64 } else { ((7 * i + 3 * j) % 5) as f64 / 2.5 - 0.8 }
+                if i == j {
+                    2.0 * (size * (reach + 1)) as f64
+                } else {
+                    ((7 * i + 3 * j) % 5) as f64 / 2.5 - 0.8
+                }
             };
             for i in 0..n {
                 for j in (0..=i).filter(|&j| inside(i, j)) {
