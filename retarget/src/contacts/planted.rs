@@ -164,7 +164,9 @@ impl<'a> Planted<'a> {
         let frames = self.shift.len();
         let mut terms = Terms::new(self.dofs, JOINED.min(frames - i));
         let per_frame = CHANGE_S * self.rate_hz;
-        let (jerk, rate) = (per_frame.powi(6), RATE * per_frame.powi(2));
+        let env = |n: &str, d: f64| std::env::var(n).ok().and_then(|x| x.parse().ok()).unwrap_or(d);
+        let (jerk, rate) = (per_frame.powi(6), env("RATE", RATE) * per_frame.powi(2));
+        let back = env("BACK", 0.0);
         (3..self.dofs).for_each(|d| terms.normal[d][d] += IDLE);
         for (c, path) in points.iter().enumerate() {
             let source = self.sources[c];
@@ -194,6 +196,9 @@ impl<'a> Planted<'a> {
                 }
                 None if path[i].y < 0.0 => terms.row(&[1.0], &arms, 1, FLOOR, -path[i].y),
                 None => {}
+            }
+            if rest.is_none() {
+                (0..3).for_each(|axis| terms.row(&[1.0], &arms, axis, back, -off(i)[axis]));
             }
         }
         terms
