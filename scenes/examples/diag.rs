@@ -73,7 +73,12 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
                 }
             }
             let size = done.momentum.as_ref().unwrap().size_ratio;
-            let far = before.iter().zip(&goals).flat_map(|(b, g)| b.iter().zip(g)).map(|(b, g)| (b - g).xz().norm()).fold(0.0f64, f64::max);
+            let far = before
+                .iter()
+                .zip(&goals)
+                .flat_map(|(b, g)| b.iter().zip(g))
+                .map(|(b, g)| (b - g).xz().norm())
+                .fold(0.0f64, f64::max);
             println!("   far {:.0}", 1e3 * far);
             println!("   size {:.3} {:.3} {:.3}", size.x, size.y, size.z);
             let sites = puppet.character.skeleton.sites();

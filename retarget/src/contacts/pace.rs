@@ -12,13 +12,10 @@
 use motion::Clip;
 
 use super::paths::{Path, Span, by_link, held_paths};
-use super::{Phase, peak_near, phases, point_paths};
+use super::{ALLOWED, Phase, peak, peak_near, phases, point_paths};
 use crate::options::ContactOptions;
 use crate::{Puppet, RetargetError};
 
-/// Jerk of the corrected path over the motion's from which on phases give way: what the pose that reaches for it adds
-/// stays below the rest of the way to 1.2.
-const ALLOWED: f64 = 1.1;
 /// Time by which an end gives way at once, s.
 const ROUND_S: f64 = 1.0 / 30.0;
 
@@ -59,15 +56,6 @@ pub fn pace(
         spans.iter().map(phase).collect()
     };
     Ok(spans.iter().enumerate().flat_map(of_point).collect())
-}
-
-/// Largest third difference near an end, m.
-fn peak(paths: &[Path], spans: &[Vec<Span>], rate_hz: f64) -> f64 {
-    let of_point = |(p, spans): (&Path, &Vec<Span>)| {
-        let ends = spans.iter().flat_map(|s| [s.first, s.last]);
-        ends.map(|end| peak_near(p, end, rate_hz)).fold(0.0, f64::max)
-    };
-    paths.iter().zip(spans).map(of_point).fold(0.0, f64::max)
 }
 
 /// Moves the ends of one link's phases near which a point is jerked more than allowed; whether there were any.

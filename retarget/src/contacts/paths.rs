@@ -6,6 +6,7 @@
 use motion::Vec3;
 
 use super::planted::Planted;
+use super::{ALLOWED, peak};
 use crate::Puppet;
 
 /// World positions of a point, one per frame, m.
@@ -22,6 +23,7 @@ pub struct Span {
 
 /// The paths that hold every point in its phases.
 pub fn held_paths(puppet: &Puppet, paths: &[Path], spans: &[Vec<Span>], rate_hz: f64) -> Vec<Path> {
+    let allowed = ALLOWED * peak(paths, spans, rate_hz);
     let mut out = paths.to_vec();
     for of_link in by_link(puppet) {
         if of_link.iter().all(|&c| spans[c].is_empty()) {
@@ -29,7 +31,7 @@ pub fn held_paths(puppet: &Puppet, paths: &[Path], spans: &[Vec<Span>], rate_hz:
         }
         let sources = of_link.iter().map(|&c| &paths[c]).collect();
         let spans: Vec<&[Span]> = of_link.iter().map(|&c| spans[c].as_slice()).collect();
-        for (&c, path) in of_link.iter().zip(Planted::new(sources, &spans, rate_hz).solve(&spans)) {
+        for (&c, path) in of_link.iter().zip(Planted::new(sources, &spans, rate_hz).solve(&spans, allowed)) {
             out[c] = path;
         }
     }

@@ -4,20 +4,28 @@
 //! as rigid as the link, that stand still in their phases, and in between go from place to place as smoothly as they
 //! can. Units m and s; ground at height 0.
 //!
-//! Unknown for every frame i are the shift u_i of the points' centre and a turn R_i about it (one point alone only
-//! shifts), so that point c with the source x̄_c is at `x_c = m + u + R (x̄_c − m)`. Of these, by Gauss–Newton,
+//! Unknown for every frame i are the shift u_i of the points' centre m_i and a turn R_i about it (one point alone only
+//! shifts), so that point c with the source x̄_c is at `x_c = m + u + R (x̄_c − m)`, corrected by `Δ_c = x_c − x̄_c`. Of
+//! these, by Gauss–Newton,
 //!
 //! ```text
-//! min Σ_c ∫ τ⁶ |d³Δ_c/dt³|² + ((R − 1)(x̄_c − m))_y² + {ρ τ² |dΔ_c/dt|² in flight, |x_c − p_c|² in a phase, horizontally} dt
+//! min Σ_c ∫ τ⁶ |d³Δ_c/dt³|² + ((R − 1)(x̄_c − m))_y²
+//!           + ρ τ² |dΔ_c/dt|² + |Δ_c|²        in flight
+//!           + |x_c − p_c|², horizontally      in a phase, p_c: the source's mean there     dt
 //! ```
 //!
-//! where Δ_c = x_c − x̄_c,
-//! with `x_c` at rest on the ground in its phases and not below it in flight, both by penalties; p_c is the source's
-//! mean in the phase. Where the points then rest on the average they are held in a second round: rest alone, from
-//! one frame to the next, is soft over hundreds of frames (7 mm of slip were seen). What is smooth is the correction, not the motion: a take-off keeps the jerk that it has. A
-//! flight between two phases is corrected by the curve of least jerk (a quintic where it is short); the second term
-//! keeps the tilt of the link where only its heading has to differ. In flight the rate is bounded: speed that the source has at a touchdown is taken away within some τ. Phases shorter than τ
-//! give way to the jerk, longer ones stay where the source stands on the average.
+//! with `x_c` at rest on the ground in its phases and not below it in flight, both by penalties. Where the points then rest on
+//! the average they are held in a second round: rest alone, from one frame to the next, is soft over hundreds of frames
+//! (7 mm of slip were seen).
+//!
+//! What is smooth is the correction, not the motion: a take-off keeps the jerk that it has. A flight shorter than some τ is
+//! corrected by the curve of least jerk, a quintic; in a longer one the point comes back to the source within some τ of
+//! either end. The tilt of the link is the source's where only its heading has to differ: a foot whose toes rest
+//! while the source turns by a right angle would otherwise stand on them.
+//!
+//! *Softness.* τ is [`QUICK_S`] and rises up to [`SOFT_S`] around those ends of phases where the path would be jerked more than it
+//! may. What is softer strays farther from the source in flight, by some v τ where its speed at the end is v; and
+//! phases shorter than τ give way to steps.
 //!
 //! Because the points move as one body, a heel that flies while its ball rests turns about the ball, and the change from one
 //! to the other is not felt. With a path of its own for each point a turning foot wants its heel where the foot cannot
@@ -26,12 +34,19 @@
 use motion::{Quat, Vec3};
 
 use super::paths::{Path, Span};
+use super::peak_near;
 use crate::refine::band::Band;
 
 /// Time in which a correction comes and goes, τ, s.
-const CHANGE_S: f64 = 0.1;
+const QUICK_S: f64 = 0.06;
+/// The same at most, where the path would be jerked.
+const SOFT_S: f64 = 0.12;
+/// How much softer at once.
+const SOFTER: f64 = 1.2;
+/// Time on either side of a jerked end that becomes softer, s.
+const AROUND_S: f64 = 0.4;
 /// Weight of the correction's rate, ρ.
-const RATE: f64 = 0.4;
+const RATE: f64 = 1.0;
 /// Weight of rest in a phase.
 const REST: f64 = 1e7;
 /// Weight of what is below the ground in flight.
@@ -58,6 +73,8 @@ pub(super) struct Planted<'a> {
     centre: Vec<Vec3>,
     shift: Vec<Vec3>,
     turn: Vec<Quat>,
+    /// τ in every frame, s.
+    softness: Vec<f64>,
     /// Unknowns of a frame.
     dofs: usize,
     /// Whether places are looked for; afterwards they are kept.
@@ -93,6 +110,7 @@ impl<'a> Planted<'a> {
             centre: (0..frames).map(|i| sources.iter().map(|p| p[i]).sum::<Vec3>() / n).collect(),
             shift: vec![Vec3::zeros(); frames],
             turn: vec![Quat::identity(); frames],
+            softness: vec![QUICK_S; frames],
             dofs: if sources.len() > 1 { 6 } else { 3 },
             searching: true,
             sources,
@@ -100,9 +118,12 @@ impl<'a> Planted<'a> {
         }
     }
 
-    /// The paths.
-    pub(super) fn solve(mut self, spans: &[&[Span]]) -> Vec<Path> {
-        let found = self.settle();
+    /// The paths, jerked no more than `allowed` near the ends of phases (third difference, m) if they can be.
+    pub(super) fn solve(mut self, spans: &[&[Span]], allowed: f64) -> Vec<Path> {
+        let mut found = self.settle();
+        while self.soften(&found, spans, allowed) {
+            found = self.settle();
+        }
         self.searching = false;
         for ((rest, path), spans) in self.rest.iter_mut().zip(&found).zip(spans) {
             for s in *spans {
@@ -111,6 +132,27 @@ impl<'a> Planted<'a> {
             }
         }
         self.settle()
+    }
+
+    /// Raises τ around ends that are jerked more than allowed; whether there are any where it could.
+    fn soften(&mut self, points: &[Path], spans: &[&[Span]], allowed: f64) -> bool {
+        let around = (AROUND_S * self.rate_hz).round() as usize;
+        let mut jerked = vec![false; self.softness.len()];
+        for (path, spans) in points.iter().zip(spans) {
+            let ends = spans.iter().flat_map(|s| [s.first, s.last]);
+            for end in ends.filter(|&end| peak_near(path, end, self.rate_hz) > allowed) {
+                let to = (end + around).min(jerked.len() - 1);
+                jerked[end.saturating_sub(around)..=to].fill(true);
+            }
+        }
+        let mut changed = false;
+        for (tau, _) in
+            self.softness.iter_mut().zip(&jerked).filter(|(tau, jerked)| **jerked && **tau < SOFT_S)
+        {
+            *tau = (*tau * SOFTER).min(SOFT_S);
+            changed = true;
+        }
+        changed
     }
 
     /// Gauss–Newton from where the points are.
@@ -163,10 +205,11 @@ impl<'a> Planted<'a> {
     fn frame(&self, i: usize, points: &[Path]) -> Terms {
         let frames = self.shift.len();
         let mut terms = Terms::new(self.dofs, JOINED.min(frames - i));
-        let per_frame = CHANGE_S * self.rate_hz;
-        let env = |n: &str, d: f64| std::env::var(n).ok().and_then(|x| x.parse().ok()).unwrap_or(d);
-        let (jerk, rate) = (per_frame.powi(6), env("RATE", RATE) * per_frame.powi(2));
-        let back = env("BACK", 0.0);
+        // all over τ⁶, with the third difference's weight where τ is least
+        let quick = QUICK_S * self.rate_hz;
+        let soft = (QUICK_S / self.softness[i]).powi(6);
+        let jerk = quick.powi(6);
+        let rate = soft * RATE * (self.softness[i] * self.rate_hz).powi(2);
         (3..self.dofs).for_each(|d| terms.normal[d][d] += IDLE);
         for (c, path) in points.iter().enumerate() {
             let source = self.sources[c];
@@ -175,7 +218,7 @@ impl<'a> Planted<'a> {
             let arms: [Vec3; JOINED] = std::array::from_fn(|a| arm((i + a).min(frames - 1)));
             if self.dofs > 3 {
                 let tilt = (source[i] - self.centre[i]).y - arms[0].y;
-                terms.tilt(&arms[0], tilt);
+                terms.tilt(&arms[0], soft, tilt);
             }
             if i + JOINED <= frames {
                 let way: Vec3 = THIRD.iter().enumerate().map(|(a, w)| off(i + a) * *w).sum();
@@ -190,7 +233,7 @@ impl<'a> Planted<'a> {
             }
             match rest {
                 Some(r) => {
-                    let firm = if self.searching { 1.0 } else { REST };
+                    let firm = if self.searching { soft } else { REST };
                     [0, 2].iter().for_each(|&a| terms.row(&[1.0], &arms, a, firm, r.place[a] - path[i][a]));
                     terms.row(&[1.0], &arms, 1, REST, -path[i].y);
                 }
@@ -198,7 +241,7 @@ impl<'a> Planted<'a> {
                 None => {}
             }
             if rest.is_none() {
-                (0..3).for_each(|axis| terms.row(&[1.0], &arms, axis, back, -off(i)[axis]));
+                (0..3).for_each(|axis| terms.row(&[1.0], &arms, axis, soft, -off(i)[axis]));
             }
         }
         terms
@@ -244,12 +287,12 @@ impl Terms {
         }
     }
 
-    /// Adds `(height above the centre − missing)²` of a point of the first frame.
-    fn tilt(&mut self, arm: &Vec3, missing: f64) {
+    /// Adds `weight (height above the centre − missing)²` of a point of the first frame.
+    fn tilt(&mut self, arm: &Vec3, weight: f64, missing: f64) {
         let turn = arm.cross(&Vec3::y());
         for a in 0..3 {
-            self.right[3 + a] += turn[a] * missing;
-            (0..=a).for_each(|b| self.normal[3 + a][3 + b] += turn[a] * turn[b]);
+            self.right[3 + a] += weight * turn[a] * missing;
+            (0..=a).for_each(|b| self.normal[3 + a][3 + b] += weight * turn[a] * turn[b]);
         }
     }
 

@@ -34,7 +34,8 @@ fn zz_diag() {
     use retarget::global_transform::{global_transform, in_local_frame};
     let (performer, human) = crate::bodies::mocap("16_21");
     let puppet = crate::bodies::puppet(crate::bodies::scaled(&performer.character, 1.0, 1.0));
-    let local = in_local_frame(&crate::bodies::same_angles(&human, &puppet.character, 1.0), &puppet.features.root);
+    let local =
+        in_local_frame(&crate::bodies::same_angles(&human, &puppet.character, 1.0), &puppet.features.root);
     let options = retarget::GlobalOptions { size: retarget::SizeRatio::Fixed(1.0), ..Default::default() };
     let (moved, _) = global_transform(&performer, &human, &puppet, &local, &options);
     let found = ph::find(&performer, &human, &puppet, &retarget::ContactOptions::default()).unwrap();
@@ -45,7 +46,12 @@ fn zz_diag() {
     let after = point_paths(&puppet, &held);
     for c in 0..before.len() {
         let s = &puppet.character.skeleton.sites()[puppet.contacts[c].site];
-        println!("{} {} {:?}", s.name, s.link, spans[c].iter().map(|s| (s.first, s.last)).collect::<Vec<_>>());
+        println!(
+            "{} {} {:?}",
+            s.name,
+            s.link,
+            spans[c].iter().map(|s| (s.first, s.last)).collect::<Vec<_>>()
+        );
     }
     let mut far = 0.0f64;
     for c in 0..before.len() {
