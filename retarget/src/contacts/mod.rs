@@ -12,7 +12,7 @@
 //!
 //! \[YAH10\] Yamane, Ariki, Hodgins. Animating Non-Humanoid Characters with Human Motion Data, SCA 2010.
 
-pub mod pace;
+mod pace;
 pub mod paths;
 pub mod phases;
 mod planted;
@@ -21,6 +21,7 @@ pub mod reach;
 use motion::{Clip, Vec3, smoothstep};
 
 use crate::global_transform::low_pass;
+use crate::options::ContactOptions;
 use crate::result::ContactReport;
 use crate::{Puppet, RetargetError};
 use paths::{Path, Span, held_paths};
@@ -39,9 +40,6 @@ pub struct Phase {
 
 /// Holds the contact points of `clip` in their phases; what else moves, moves as little as it can.
 ///
-/// In two passes: solved frame by frame, the root is jerked about wherever a straight leg has to reach. Of the
-/// way it takes in the first pass it keeps what is slow, and in the second it gives way only where legs cannot reach.
-///
 /// # Errors
 /// A phase of an unknown point, reversed, outside the clip, or overlapping another of its point.
 pub fn adjust(
@@ -50,10 +48,41 @@ pub fn adjust(
     phases: &[Phase],
 ) -> Result<(Clip, ContactReport), RetargetError> {
     let spans = phases::spans(puppet, phases, clip)?;
-    let before = point_paths(puppet, clip);
-    let goals = held_paths(puppet, &before, &spans, clip.rate_hz);
+    let source = point_paths(puppet, clip);
+    let goals = held_paths(puppet, &source, &spans, clip.rate_hz);
+    Ok(follow(puppet, clip, &source, &goals, &spans))
+}
+
+/// As [`adjust`], with phases that give way where steps need more time, see [`pace`]: the phases, the clip, its report.
+///
+/// # Errors
+/// As [`adjust`].
+pub fn adjust_in_time(
+    puppet: &Puppet,
+    clip: &Clip,
+    phases: &[Phase],
+    options: &ContactOptions,
+) -> Result<(Vec<Phase>, Clip, ContactReport), RetargetError> {
+    let spans = phases::spans(puppet, phases, clip)?;
+    let source = point_paths(puppet, clip);
+    let (spans, goals) = pace::pace(puppet, &source, spans, clip.rate_hz, options);
+    let (out, report) = follow(puppet, clip, &source, &goals, &spans);
+    Ok((phases::named(puppet, &spans, clip.rate_hz), out, report))
+}
+
+/// The clip whose points are at their goals.
+///
+/// In two passes: solved frame by frame, the root is jerked about wherever a straight leg has to reach. Of the
+/// way it takes in the first pass it keeps what is slow, and in the second it gives way only where legs cannot reach.
+fn follow(
+    puppet: &Puppet,
+    clip: &Clip,
+    source: &[Path],
+    goals: &[Path],
+    spans: &[Vec<Span>],
+) -> (Clip, ContactReport) {
     let hold: Vec<Vec<f64>> = spans.iter().map(|s| firmness(s, clip)).collect();
-    let mut reach = Reach::new(puppet, &spans);
+    let mut reach = Reach::new(puppet, spans);
     let mut out = clip.clone();
     let put = |reach: &mut Reach, from: &[f64], i: usize, q: &mut [f64]| {
         reach.solve(from, &|c| (goals[c][i], hold[c][i]), q);
@@ -79,8 +108,8 @@ pub fn adjust(
         clip.skeleton.integrate(&mut from, &way, 1.0);
         put(&mut reach, &from, i, out.pose_mut(i));
     }
-    let report = report(&before, &point_paths(puppet, &out), &spans, clip.rate_hz);
-    Ok((out, report))
+    let report = report(source, &point_paths(puppet, &out), spans, clip.rate_hz);
+    (out, report)
 }
 
 /// How firmly a point is held in each frame: 1 in its phases, fading beside them.

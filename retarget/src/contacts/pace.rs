@@ -1,6 +1,6 @@
 //! The time that steps need.
 //!
-//! In: phases as they were found, the character's clip in the world. Out: phases of which some begin a little later and
+//! In: phases as they were found, the paths of the character's points. Out: phases of which some begin a little later and
 //! end a little earlier.
 //!
 //! A character whose steps are long for its human's, or that hops where its human shifts a foot, has to make its way between two
@@ -9,53 +9,39 @@
 //! at a time, until it is not, up to [`ContactOptions::give_s`] each. All points of the link that land or leave in the
 //! same frame go together, and no phase becomes shorter than [`ContactOptions::shortest_s`].
 
-use motion::Clip;
-
 use super::paths::{Path, Span, by_link, held_paths};
-use super::{ALLOWED, Phase, peak, peak_near, phases, point_paths};
+use super::{ALLOWED, peak, peak_near};
+use crate::Puppet;
 use crate::options::ContactOptions;
-use crate::{Puppet, RetargetError};
 
 /// Time by which an end gives way at once, s.
 const ROUND_S: f64 = 1.0 / 30.0;
 
-/// Phases whose flights are long enough. See the module header.
-///
-/// * `clip`: of the character, in the world
-///
-/// # Errors
-/// As [`phases::spans`].
-pub fn pace(
+/// Phases whose flights are long enough, and the paths that the points then take. See the module header.
+pub(super) fn pace(
     puppet: &Puppet,
-    clip: &Clip,
-    found: &[Phase],
+    source: &[Path],
+    mut spans: Vec<Vec<Span>>,
+    rate_hz: f64,
     options: &ContactOptions,
-) -> Result<Vec<Phase>, RetargetError> {
-    let mut spans = phases::spans(puppet, found, clip)?;
-    let source = point_paths(puppet, clip);
-    let links = by_link(puppet);
-    let by = (ROUND_S * clip.rate_hz).round().max(1.0) as usize;
-    let shortest = (options.shortest_s * clip.rate_hz).round() as usize;
-    let most = (options.give_s * clip.rate_hz).round() as usize;
-    for _ in 0..most / by {
-        let held = held_paths(puppet, &source, &spans, clip.rate_hz);
-        let allowed = ALLOWED * peak(&source, &spans, clip.rate_hz);
+) -> (Vec<Vec<Span>>, Vec<Path>) {
+    let by = (ROUND_S * rate_hz).round().max(1.0) as usize;
+    let shortest = (options.shortest_s * rate_hz).round() as usize;
+    let mut rounds = (options.give_s * rate_hz).round() as usize / by;
+    loop {
+        let held = held_paths(puppet, source, &spans, rate_hz);
+        let allowed = ALLOWED * peak(source, &spans, rate_hz);
         let mut changed = false;
-        for of_link in &links {
-            changed |= give(&held, &mut spans, of_link, allowed, (by, shortest), clip.rate_hz);
+        if rounds > 0 {
+            for of_link in &by_link(puppet) {
+                changed |= give(&held, &mut spans, of_link, allowed, (by, shortest), rate_hz);
+            }
         }
         if !changed {
-            break;
+            return (spans, held);
         }
+        rounds -= 1;
     }
-    let at = |frame: usize| frame as f64 / clip.rate_hz;
-    let sites = puppet.character.skeleton.sites();
-    let of_point = |(c, spans): (usize, &Vec<Span>)| -> Vec<Phase> {
-        let point = &sites[puppet.contacts[c].site].name;
-        let phase = |s: &Span| Phase { point: point.clone(), from_s: at(s.first), to_s: at(s.last) };
-        spans.iter().map(phase).collect()
-    };
-    Ok(spans.iter().enumerate().flat_map(of_point).collect())
 }
 
 /// Moves the ends of one link's phases near which a point is jerked more than allowed; whether there were any.

@@ -184,14 +184,21 @@ pub fn landing(puppet: &Puppet, clip: &Clip, found: &[Phase]) -> Result<Vec<Phas
         (s.last - s.first) as f64 <= SHORT_S * clip.rate_hz
             && (alone || others.iter().map(slope).any(|x| x > STEEP))
     };
-    let at = |frame: usize| frame as f64 / clip.rate_hz;
-    let mut out = Vec::new();
-    for (c, spans) in spans.iter().enumerate() {
-        for s in spans.iter().filter(|s| !tilted(c, s)) {
-            out.push(Phase { point: site(c).name.clone(), from_s: at(s.first), to_s: at(s.last) });
-        }
-    }
-    Ok(out)
+    let kept = |(c, spans): (usize, &Vec<Span>)| spans.iter().filter(|s| !tilted(c, s)).copied().collect();
+    let kept: Vec<Vec<Span>> = spans.iter().enumerate().map(kept).collect();
+    Ok(named(puppet, &kept, clip.rate_hz))
+}
+
+/// Frames of a clip, per contact point of the puppet, as phases.
+pub fn named(puppet: &Puppet, spans: &[Vec<Span>], rate_hz: f64) -> Vec<Phase> {
+    let sites = puppet.character.skeleton.sites();
+    let at = |frame: usize| frame as f64 / rate_hz;
+    let of_point = |(spans, c): (&Vec<Span>, &ContactPoint)| -> Vec<Phase> {
+        let phase =
+            |s: &Span| Phase { point: sites[c.site].name.clone(), from_s: at(s.first), to_s: at(s.last) };
+        spans.iter().map(phase).collect()
+    };
+    spans.iter().zip(&puppet.contacts).flat_map(of_point).collect()
 }
 
 /// Phases as frames of a clip, per contact point of the puppet, in order.

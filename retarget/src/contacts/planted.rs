@@ -24,8 +24,9 @@
 //! while the source turns by a right angle would otherwise stand on them.
 //!
 //! *Softness.* τ is [`QUICK_S`] and rises up to [`SOFT_S`] around those ends of phases where the path would be jerked more than it
-//! may. What is softer strays farther from the source in flight, by some v τ where its speed at the end is v; and
-//! phases shorter than τ give way to steps.
+//! may; there the motion's own jerk is left out of Δ by degrees, so that in the end it is the path itself that is
+//! smooth. What is softer strays farther from the source in flight, by some v τ where its speed at the end is v; and phases
+//! shorter than τ give way to steps.
 //!
 //! Because the points move as one body, a heel that flies while its ball rests turns about the ball, and the change from one
 //! to the other is not felt. With a path of its own for each point a turning foot wants its heel where the foot cannot
@@ -56,7 +57,7 @@ const IDLE: f64 = 1e-6;
 /// Most Gauss–Newton steps.
 const STEPS: usize = 20;
 /// A step below this, m or rad, is the last.
-const STILL: f64 = 1e-7;
+const STILL: f64 = 1e-6;
 /// Farthest turn in a step, rad.
 const TURN: f64 = 0.5;
 
@@ -210,7 +211,7 @@ impl<'a> Planted<'a> {
         let soft = (QUICK_S / self.softness[i]).powi(6);
         let jerk = quick.powi(6);
         let rate = soft * RATE * (self.softness[i] * self.rate_hz).powi(2);
-        (3..self.dofs).for_each(|d| terms.normal[d][d] += IDLE);
+        (3..self.dofs).for_each(|d| terms.columns[d][d] += IDLE);
         for (c, path) in points.iter().enumerate() {
             let source = self.sources[c];
             let off = |k: usize| path[k] - source[k];
@@ -221,7 +222,9 @@ impl<'a> Planted<'a> {
                 terms.tilt(&arms[0], soft, tilt);
             }
             if i + JOINED <= frames {
-                let way: Vec3 = THIRD.iter().enumerate().map(|(a, w)| off(i + a) * *w).sum();
+                let kept = (SOFT_S - self.softness[i]) / (SOFT_S - QUICK_S);
+                let moved = |k: usize| path[k] - source[k] * kept;
+                let way: Vec3 = THIRD.iter().enumerate().map(|(a, w)| moved(i + a) * *w).sum();
                 (0..3).for_each(|axis| terms.row(&THIRD, &arms, axis, jerk, -way[axis]));
             }
             let rest = self.rest[c][i];
@@ -252,9 +255,9 @@ fn mean(points: &[Vec3]) -> Vec3 {
     points.iter().sum::<Vec3>() / points.len() as f64
 }
 
-/// Normal equations of a few frames in a row: lower triangle and right-hand side.
+/// Normal equations of a few frames in a row: lower triangle by columns, and right-hand side.
 struct Terms {
-    normal: [[f64; 6 * JOINED]; 6 * JOINED],
+    columns: [[f64; 6 * JOINED]; 6 * JOINED],
     right: [f64; 6 * JOINED],
     dofs: usize,
     frames: usize,
@@ -262,7 +265,7 @@ struct Terms {
 
 impl Terms {
     fn new(dofs: usize, frames: usize) -> Self {
-        Self { normal: [[0.0; 6 * JOINED]; 6 * JOINED], right: [0.0; 6 * JOINED], dofs, frames }
+        Self { columns: [[0.0; 6 * JOINED]; 6 * JOINED], right: [0.0; 6 * JOINED], dofs, frames }
     }
 
     /// Adds `weight (Σ_a coefficients_a · x(a) − missing)²` along an axis, of a point with `arms` from its centre.
@@ -278,31 +281,31 @@ impl Terms {
                 at[3..].copy_from_slice((arms[a].cross(&e) * *w).as_slice());
             }
         }
-        for k in 0..coefficients.len() * self.dofs {
-            let x = weight * row[k];
-            if x != 0.0 {
-                self.right[k] += x * missing;
-                self.normal[k][..=k].iter_mut().zip(&row).for_each(|(n, y)| *n += x * y);
-            }
-        }
+        self.add(&row[..coefficients.len() * self.dofs], weight, missing);
     }
 
     /// Adds `weight (height above the centre − missing)²` of a point of the first frame.
     fn tilt(&mut self, arm: &Vec3, weight: f64, missing: f64) {
         let turn = arm.cross(&Vec3::y());
-        for a in 0..3 {
-            self.right[3 + a] += weight * turn[a] * missing;
-            (0..=a).for_each(|b| self.normal[3 + a][3 + b] += weight * turn[a] * turn[b]);
+        self.add(&[0.0, 0.0, 0.0, turn.x, turn.y, turn.z], weight, missing);
+    }
+
+    fn add(&mut self, row: &[f64], weight: f64, missing: f64) {
+        for (j, y) in row.iter().enumerate().filter(|(_, y)| **y != 0.0) {
+            let y = weight * y;
+            self.right[j] += y * missing;
+            self.columns[j][j..row.len()].iter_mut().zip(&row[j..]).for_each(|(n, x)| *n += x * y);
         }
     }
 
     /// Adds them to those of all frames, these starting at `first`.
     fn add_to(&self, first: usize, normal: &mut Band, right: &mut [f64]) {
-        for k in 0..self.frames * self.dofs {
-            let row = first * self.dofs + k;
-            right[row] += self.right[k];
-            for (j, x) in self.normal[k][..=k].iter().enumerate().filter(|(_, x)| **x != 0.0) {
-                *normal.at(row, first * self.dofs + j) += x;
+        let (d, n) = (self.dofs, self.frames * self.dofs);
+        right[first * d..].iter_mut().zip(&self.right[..n]).for_each(|(b, x)| *b += x);
+        for (j, column) in self.columns[..n].iter().enumerate() {
+            for a in j / d..self.frames {
+                let into = normal.column_mut(first + a, first * d + j);
+                into.iter_mut().zip(&column[a * d..]).for_each(|(n, x)| *n += x);
             }
         }
     }
