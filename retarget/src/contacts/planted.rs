@@ -50,8 +50,10 @@ const AROUND_S: f64 = 0.4;
 const RATE: f64 = 1.0;
 /// Weight of rest in a phase.
 const REST: f64 = 1e7;
-/// Weight of what is below the ground in flight.
+/// Weight of what is below the ground, or too low, in flight.
 const FLOOR: f64 = 1e3;
+/// Height of a step over its length: lower it would be dragged along the ground.
+const CLEAR: f64 = 0.08;
 /// Least stiffness of a turn: a turn about the line of all points moves none of them.
 const IDLE: f64 = 1e-6;
 /// Most Gauss–Newton steps.
@@ -71,6 +73,8 @@ pub(super) struct Planted<'a> {
     sources: Vec<&'a Path>,
     /// For each point and frame the place of the phase it is in.
     rest: Vec<Vec<Option<Rest>>>,
+    /// For each point and frame the height to be cleared.
+    clear: Vec<Vec<f64>>,
     centre: Vec<Vec3>,
     shift: Vec<Vec3>,
     turn: Vec<Quat>,
@@ -106,7 +110,20 @@ impl<'a> Planted<'a> {
             }
             rest
         });
+        let clear = sources.iter().zip(spans).map(|(path, spans)| {
+            let mut clear = vec![0.0; frames];
+            for w in spans.windows(2) {
+                let way = mean(&path[w[1].first..=w[1].last]) - mean(&path[w[0].first..=w[0].last]);
+                let (from, to) = (w[0].last, w[1].first);
+                for (i, y) in clear.iter_mut().enumerate().take(to).skip(from + 1) {
+                    let s = (i - from) as f64 / (to - from) as f64;
+                    *y = CLEAR * way.xz().norm() * (4.0 * s * (1.0 - s)).powi(3);
+                }
+            }
+            clear
+        });
         Self {
+            clear: clear.collect(),
             rest: rest.collect(),
             centre: (0..frames).map(|i| sources.iter().map(|p| p[i]).sum::<Vec3>() / n).collect(),
             shift: vec![Vec3::zeros(); frames],
@@ -240,11 +257,13 @@ impl<'a> Planted<'a> {
                     [0, 2].iter().for_each(|&a| terms.row(&[1.0], &arms, a, firm, r.place[a] - path[i][a]));
                     terms.row(&[1.0], &arms, 1, REST, -path[i].y);
                 }
-                None if path[i].y < 0.0 => terms.row(&[1.0], &arms, 1, FLOOR, -path[i].y),
-                None => {}
-            }
-            if rest.is_none() {
-                (0..3).for_each(|axis| terms.row(&[1.0], &arms, axis, soft, -off(i)[axis]));
+                None => {
+                    (0..3).for_each(|axis| terms.row(&[1.0], &arms, axis, soft, -off(i)[axis]));
+                    let below = self.clear[c][i] - path[i].y;
+                    if below > 0.0 {
+                        terms.row(&[1.0], &arms, 1, FLOOR, below);
+                    }
+                }
             }
         }
         terms
