@@ -6,8 +6,8 @@
 //! | module | holds |
 //! |---|---|
 //! | [`phases`] | when human points touch, and the character's with them |
-//! | [`pace`] | phases that give way to steps that need more time |
-//! | [`paths`] | where each point has to be in every frame: [`planted`], link by link |
+//! | `pace` | phases that give way to steps that need more time |
+//! | [`paths`] | where each point has to be in every frame: `planted`, link by link |
 //! | [`reach`] | the pose that puts the points there |
 //!
 //! \[YAH10\] Yamane, Ariki, Hodgins. Animating Non-Humanoid Characters with Human Motion Data, SCA 2010.
@@ -53,7 +53,8 @@ pub fn adjust(
     Ok(follow(puppet, clip, &source, &goals, &spans))
 }
 
-/// As [`adjust`], with phases that give way where steps need more time, see [`pace`]: the phases, the clip, its report.
+/// As [`adjust`], with phases that give way where steps need more time, by up to [`ContactOptions::give_s`] at either
+/// end: the phases, the clip, its report.
 ///
 /// # Errors
 /// As [`adjust`].

@@ -1,7 +1,11 @@
 //! Where each contact point has to be, in every frame.
 //!
-//! In: the paths of the points as the motion has them, and their phases. Out: the paths to follow: those of one link
-//! together, as [`planted`](super::planted) says; a link without phases keeps its own.
+//! In: the paths of the points as the motion has them, and their phases. Out: the paths to follow. Those of one link are
+//! moved as one rigid body by the smoothest correction that keeps them at rest in their phases (`planted`); a link without
+//! phases keeps its own. \[YAH10\] (9) blends corrections of single points with h²(3 − 2h), which matches positions only: the
+//! point still has the speed of the source at touchdown (0.1 to 0.4 m/s were measured) and stops dead.
+//!
+//! \[YAH10\] Yamane, Ariki, Hodgins. Animating Non-Humanoid Characters with Human Motion Data, SCA 2010.
 
 use motion::Vec3;
 

@@ -14,7 +14,8 @@
 //!           + |x_c − p_c|², horizontally      in a phase, p_c: the source's mean there     dt
 //! ```
 //!
-//! with `x_c` at rest on the ground in its phases and not below it in flight, both by penalties. Where the points then rest on
+//! with `x_c` at rest on the ground in its phases, and in flight not lower than a step has to lift, `h (4s(1 − s))³` over the
+//! flight with h = [`CLEAR`] times its length (it starts and ends at rest too), both by penalties. Where the points then rest on
 //! the average they are held in a second round: rest alone, from one frame to the next, is soft over hundreds of frames
 //! (7 mm of slip were seen).
 //!
@@ -53,7 +54,9 @@ const REST: f64 = 1e7;
 /// Weight of what is below the ground, or too low, in flight.
 const FLOOR: f64 = 1e3;
 /// Height of a step over its length: lower it would be dragged along the ground.
-const CLEAR: f64 = 0.08;
+const CLEAR: f64 = 0.12;
+/// The most that has to be cleared, m: what the toes of a walking human do.
+const CLEAR_MOST_M: f64 = 0.012;
 /// Least stiffness of a turn: a turn about the line of all points moves none of them.
 const IDLE: f64 = 1e-6;
 /// Most Gauss–Newton steps.
@@ -117,7 +120,7 @@ impl<'a> Planted<'a> {
                 let (from, to) = (w[0].last, w[1].first);
                 for (i, y) in clear.iter_mut().enumerate().take(to).skip(from + 1) {
                     let s = (i - from) as f64 / (to - from) as f64;
-                    *y = CLEAR * way.xz().norm() * (4.0 * s * (1.0 - s)).powi(3);
+                    *y = (CLEAR * way.xz().norm()).min(CLEAR_MOST_M) * (4.0 * s * (1.0 - s)).powi(3);
                 }
             }
             clear

@@ -11,10 +11,9 @@
 //! between the root and a contact point give way most easily; the root and all that it carries move where
 //! those cannot.
 //!
-//! The goals of one link need not fit it: while a heel rests, the ball that flies has a goal of its own. A point in a
-//! phase outweighs one in flight a thousandfold; where a flight ends its goal fits, with the rate and acceleration of
-//! rest, so that the change of its weight is not felt. A point without any phase has no goal. Every point is
-//! pushed out of the ground below −[`DEPTH_M`].
+//! The goals of one link fit it, but the legs need not reach them, and live they need not fit. So a point in a phase outweighs
+//! one in flight a thousandfold, and beside its phases the weight goes over from one to the other. A point without any phase
+//! has no goal. Every point is pushed out of the ground below −[`DEPTH_M`].
 
 use std::sync::Arc;
 
