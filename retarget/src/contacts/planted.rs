@@ -44,7 +44,7 @@ const QUICK_S: f64 = 0.06;
 /// The same at most, where the path would be jerked.
 const SOFT_S: f64 = 0.12;
 /// How much softer at once.
-const SOFTER: f64 = 1.2;
+const SOFTER: f64 = 1.42;
 /// Time on either side of a jerked end that becomes softer, s.
 const AROUND_S: f64 = 0.4;
 /// Weight of the correction's rate, ρ.
@@ -61,8 +61,8 @@ const CLEAR_MOST_M: f64 = 0.012;
 const IDLE: f64 = 1e-6;
 /// Most Gauss–Newton steps.
 const STEPS: usize = 20;
-/// A step below this, m or rad, is the last.
-const STILL: f64 = 1e-6;
+/// A step below this, m or rad, is the last: while places are looked for, and when they are kept.
+const STILL: [f64; 2] = [1e-5, 1e-6];
 /// Farthest turn in a step, rad.
 const TURN: f64 = 0.5;
 
@@ -197,7 +197,7 @@ impl<'a> Planted<'a> {
                 those.fold(0.0f64, |m, (_, x)| m.max(x.abs()))
             };
             let share = (TURN / largest(&|d| d >= 3).max(1e-12)).min(1.0);
-            let still = largest(&|_| true) < STILL;
+            let still = largest(&|_| true) < STILL[usize::from(!self.searching)];
             for (i, x) in step.chunks_exact(dofs).enumerate() {
                 self.shift[i] += Vec3::new(x[0], x[1], x[2]) * share;
                 if dofs > 3 {

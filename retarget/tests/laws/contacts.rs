@@ -95,7 +95,7 @@ fn phases_give_way_to_a_step_that_needs_time() {
     let given = [rest(0, middle - 1), rest(middle + 1, own.frames() - 1)].concat();
     let (_, hurried) = adjust(&puppet, &clip, &given).unwrap();
     let options = ContactOptions::default();
-    let (phases, _, report) = adjust_in_time(&puppet, &clip, &given, &options).unwrap();
+    let (phases, out, report) = adjust_in_time(&puppet, &clip, &given, &options).unwrap();
     let moved = |p: &Phase| {
         let before = given.iter().filter(|g| g.point == p.point);
         let near = before.min_by(|a, b| (a.from_s - p.from_s).abs().total_cmp(&(b.from_s - p.from_s).abs()));
@@ -110,4 +110,9 @@ fn phases_give_way_to_a_step_that_needs_time() {
     assert!(most > 0.0 && most <= options.give_s + 1e-9, "{most}");
     assert!(report.jerk_ratio < 0.5 * hurried.jerk_ratio, "{report:?} {hurried:?}");
     assert!(report.slip_m < 1e-3, "{report:?}");
+    // and it is a step, not a slide
+    for p in point_paths(&puppet, &out) {
+        let top = p.iter().map(|p| p.y).fold(0.0, f64::max);
+        assert!(top > 0.08 * 0.04, "{top}"); // 4.5 mm seen
+    }
 }
