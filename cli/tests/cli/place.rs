@@ -81,6 +81,11 @@ impl Place {
         self.run(&args)
     }
 
+    /// The report that a run wrote into a folder.
+    pub fn report(&self, folder: &str) -> serde_json::Value {
+        serde_json::from_slice(&std::fs::read(self.at(folder).join("report.json")).unwrap()).unwrap()
+    }
+
     /// Paths of all files in a folder, relative to it, and their bytes, sorted.
     pub fn files(&self, folder: &str) -> Vec<(String, Vec<u8>)> {
         fn walk(dir: &Path, at: &str, found: &mut Vec<(String, Vec<u8>)>) {
