@@ -1,11 +1,13 @@
 //! `retarget`: momentum of the files written, contacts edited by hand, and every fault of the input.
 
+use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
 use serde_json::Value;
 
 use crate::place::{Done, Place, root};
+use crate::report::paths;
 
 fn scene_file(name: &str) -> String {
     root().join("scenes").join(name).canonicalize().unwrap().display().to_string()
@@ -248,4 +250,26 @@ fn contacts_that_cannot_be() {
         place.write("c.ron", &format!("Contacts(points: {{\n    {points},\n}})\n"));
         refused(&place, &fear, &lamp, &["--contacts", "c.ron"], &words);
     }
+}
+
+/// Both ways: no field without its line in the document, no line without its field.
+#[test]
+fn the_document_names_every_field() {
+    let place = Place::new();
+    let mut fields = BTreeSet::new();
+    let happiness = scene_file("performances/happiness.ron");
+    let study = ["--stop-after", "map", "--study", "--compare", "--suggest-keyposes", "2"];
+    for (character, options) in [("squirrel", &[][..]), ("lamp", &study[..])] {
+        let done = retarget(&place, &happiness, character, options);
+        assert_eq!(done.code, 0, "{}", done.stderr);
+        paths(&place.report("out"), "", &mut fields);
+    }
+    let document = std::fs::read_to_string(root().join("docs/RETARGET.md")).unwrap();
+    let (_, section) = document.split_once("## report.json").unwrap();
+    let named = section.lines().filter_map(|line| line.strip_prefix("| `")?.split_once('`'));
+    let named: BTreeSet<String> = named.map(|(path, _)| path.to_owned()).collect();
+    let (missing, stale): (Vec<_>, Vec<_>) =
+        (fields.difference(&named).collect(), named.difference(&fields).collect());
+    assert!(missing.is_empty(), "not in docs/RETARGET.md: {missing:?}");
+    assert!(stale.is_empty(), "in docs/RETARGET.md, not in a report: {stale:?}");
 }
