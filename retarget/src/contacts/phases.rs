@@ -35,11 +35,9 @@ pub const REACHED: f64 = 0.1;
 /// Own floors are no higher than this above the ground, m, for a performer of standard size.
 pub const HIGHEST_FLOOR_M: f64 = 0.06;
 
-/// Contact of each of the performer's contact points in every frame; `human` on ground at height 0.
-pub fn human_contacts(performer: &Performer, human: &Clip, options: &ContactOptions) -> Vec<Vec<bool>> {
+/// World positions of the performer's contact points in every frame, m.
+fn human_paths(performer: &Performer, human: &Clip) -> Vec<Vec<Vec3>> {
     let c = &performer.character;
-    let size = performer.features.unit_m;
-    let (height, speed) = (options.height_m * size, options.speed_m_s * size);
     let mut k = Kinematics::new(&human.skeleton, &human.skeleton.zero_pose());
     let mut paths = vec![Vec::with_capacity(human.frames()); c.contacts.len()];
     for i in 0..human.frames() {
@@ -49,18 +47,35 @@ pub fn human_contacts(performer: &Performer, human: &Clip, options: &ContactOpti
             path.push(k.point(site.link, &site.at));
         }
     }
-    let shortest = (options.shortest_s * human.rate_hz).round() as usize;
     paths
+}
+
+/// Own floor of each of the performer's contact points, m; `human` on ground at height 0. See the module header.
+pub fn own_floors(performer: &Performer, human: &Clip, options: &ContactOptions) -> Vec<f64> {
+    let size = performer.features.unit_m;
+    let slow = |p: &Vec<Vec3>| -> Vec<f64> {
+        let still = |i: &usize| speed_at(p, *i, human.rate_hz) < options.speed_m_s * size;
+        (0..p.len()).filter(still).map(|i| p[i].y).collect()
+    };
+    human_paths(performer, human).iter().map(|p| own_floor(slow(p), HIGHEST_FLOOR_M * size)).collect()
+}
+
+/// Contact of each of the performer's contact points in every frame; `human` on ground at height 0.
+pub fn human_contacts(performer: &Performer, human: &Clip, options: &ContactOptions) -> Vec<Vec<bool>> {
+    let size = performer.features.unit_m;
+    let (height, speed) = (options.height_m * size, options.speed_m_s * size);
+    let shortest = (options.shortest_s * human.rate_hz).round() as usize;
+    let floors = own_floors(performer, human, options);
+    human_paths(performer, human)
         .iter()
-        .map(|p| {
-            let speeds: Vec<f64> = (0..p.len()).map(|i| speed_at(p, i, human.rate_hz)).collect();
-            let slow = p.iter().zip(&speeds).filter(|(_, s)| **s < speed).map(|(p, _)| p.y).collect();
-            let floor = own_floor(slow, HIGHEST_FLOOR_M * size);
+        .zip(floors)
+        .map(|(p, floor)| {
             let mut down = false;
             let mut on: Vec<bool> = (0..p.len())
                 .map(|i| {
                     let times = if down { LEAVE } else { 1.0 };
-                    down = p[i].y - floor < times * height && speeds[i] < times * speed;
+                    let low = p[i].y - floor < times * height;
+                    down = low && speed_at(p, i, human.rate_hz) < times * speed;
                     down
                 })
                 .collect();

@@ -1,12 +1,9 @@
 //! Contact phases and adjustment.
 
-use std::sync::Arc;
-
-use motion::{Kinematics, Vec3};
 use retarget::ContactOptions;
 use retarget::contacts::phases::human_contacts;
 
-use crate::bodies::{Held, held, mocap};
+use crate::bodies::{Held, held, mocap, raise_left_sole};
 
 /// Slip, depth and jerk of what is held.
 #[test]
@@ -42,15 +39,7 @@ fn a_sole_that_was_guessed_too_high_still_touches() {
         let (mut performer, human) = mocap(clip);
         let options = ContactOptions::default();
         let truth = human_contacts(&performer, &human, &options);
-        let s = performer.character.skeleton.clone();
-        let rest = Kinematics::new(&s, &performer.character.rest);
-        let raised = s.sites().iter().cloned().map(|mut site| {
-            if site.name.starts_with("ball_l") || site.name.starts_with("heel_l") {
-                site.at += rest.world[site.link].rotation.inverse() * Vec3::new(0.0, 0.03, 0.0);
-            }
-            site
-        });
-        performer.character.skeleton = Arc::new(s.as_ref().clone().with_sites(raised.collect()).unwrap());
+        raise_left_sole(&mut performer.character, 0.03);
         let found = human_contacts(&performer, &human, &options);
         let frames = (truth.len() * human.frames()) as f64;
         let other = truth.iter().flatten().zip(found.iter().flatten()).filter(|(a, b)| a != b).count() as f64;
