@@ -127,23 +127,10 @@ fn contacts_of_a_scene() {
     assert!(done.code == 2 && words, "{}", done.stderr);
 }
 
-/// Runs, expects a refusal with these words, and the output folder as it was.
+/// Puts a performance on a character and expects a refusal with these words.
 #[track_caller]
 fn refused(place: &Place, performance: &str, character: &str, options: &[&str], words: &[&str]) {
-    place.write("out/report.json", "earlier");
-    place.write("out/notes.txt", "mine");
-    let before = place.files("out");
-    let mut args = vec!["retarget", performance, "--to", character, "--out", "out", "--no-plots"];
-    args.extend(options);
-    let done = place.run(&args);
-    assert_eq!(done.code, 2, "{words:?}: {}", done.stderr);
-    assert_eq!(done.stdout, "", "{words:?}");
-    assert_eq!(done.stderr.matches("error:").count(), 1, "{}", done.stderr);
-    for word in words {
-        assert!(done.stderr.contains(word), "`{word}` is not in\n{}", done.stderr);
-    }
-    assert!(!done.stderr.contains("panicked"), "{}", done.stderr);
-    assert!(place.files("out") == before, "{words:?}: the output folder changed");
+    place.refused(&[&["retarget", performance, "--to", character], options].concat(), words);
 }
 
 /// Key poses of a lamp: `more` after one of fear at 1 s.
