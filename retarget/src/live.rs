@@ -10,6 +10,8 @@
 //!   separates it from its own path over [`LEAVE_S`], by the quintic below. Points of one link that land one after the
 //!   other keep their distances:
 //!   `x₀ (1 − s)³(1 + 3s + 6s²) + ẋ₀ T s(1 − s)³(1 + 3s)`: position and rate never jump.
+//! - own floors of the human points, which a clip tells as a whole: given by [`Live::on_floors`], from a recording of a few
+//!   steps ([`own_floors`](crate::contacts::phases::own_floors)); without it the ground.
 //!
 //! [`GlobalOptions::drift_hz`]: crate::GlobalOptions::drift_hz
 
@@ -113,6 +115,8 @@ pub struct Live<'m> {
     leak: f64,
     dt: f64,
     thresholds: [f64; 2],
+    /// Own floor of each human contact point, m.
+    floors: Vec<f64>,
     human: Momentum,
     own: Momentum,
     human_k: Kinematics,
@@ -179,6 +183,7 @@ impl<'m> Live<'m> {
             leak: 1.0 - (-std::f64::consts::TAU * options.global.drift_hz / rate_hz).exp(),
             dt: 1.0 / rate_hz,
             thresholds: [options.contact.height_m * size, options.contact.speed_m_s * size],
+            floors: vec![0.0; contacts],
             human: Momentum::new(&performer.character),
             own: Momentum::new(&puppet.character),
             human_k: Kinematics::new(&performer.character.skeleton, &performer.character.rest),
@@ -200,6 +205,13 @@ impl<'m> Live<'m> {
             performer,
             puppet,
         })
+    }
+
+    /// With own floors of the performer's contact points, m above the ground; those that are missing are 0.
+    #[must_use]
+    pub fn on_floors(mut self, floors: &[f64]) -> Self {
+        self.floors.iter_mut().zip(floors).for_each(|(own, given)| *own = *given);
+        self
     }
 
     /// The character's pose for a human pose (`nq` of the performer, ground at height 0).
@@ -254,7 +266,8 @@ impl<'m> Live<'m> {
             let first = self.frames == 0;
             let speed = if first { 0.0 } else { (p - self.human_points[i]).norm() / self.dt };
             let times = if self.human_down[i] { LEAVE } else { 1.0 };
-            self.human_down[i] = p.y < times * self.thresholds[0] && speed < times * self.thresholds[1];
+            let height = p.y - self.floors[i];
+            self.human_down[i] = height < times * self.thresholds[0] && speed < times * self.thresholds[1];
             self.human_points[i] = p;
         }
     }

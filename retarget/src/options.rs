@@ -137,7 +137,7 @@ impl Default for RefineOptions {
             obstacles: Vec::new(),
             collisions: true,
             accepted: Vec::new(),
-            iterations: 20,
+            iterations: 40,
         }
     }
 }

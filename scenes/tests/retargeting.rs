@@ -2,7 +2,10 @@
 
 use std::path::{Path, PathBuf};
 
+use motion::Clip;
 use motion::format::bvh::ImportOptions;
+use scenes::retarget::features::RootFrame;
+use scenes::retarget::global_transform::headings;
 use scenes::retarget::{Options, RefineDofs, Retargeted, Stage};
 use scenes::retargeting::Session;
 
@@ -103,6 +106,45 @@ fn root_and_legs_match_all_six_components() {
         }
     }
 }
+
+/// A straight walk stays straight: on every character the path goes where the human's goes, and over a stride the body faces
+/// along it. Within a stride it turns as the human's spin demands: a lamp, which has nothing that swings against its arm, by
+/// 27°.
+#[test]
+fn a_straight_walk_stays_straight() {
+    for walk in ["walk", "16_21"] {
+        for character in ["lamp", "penguin", "squirrel"] {
+            let session = session(walk, character);
+            let options = Options { rate_hz: Some(30.0), stop_after: Stage::Global, ..Options::default() };
+            let done = run(&session, &options);
+            let course = |clip: &Clip| {
+                let place = |i: usize| clip.skeleton.position(clip.pose(i), 0);
+                let way = place(clip.frames() - 1) - place(0);
+                way.x.atan2(way.z).to_degrees()
+            };
+            let straight = course(&done.human);
+            let off = |clip: &Clip, root: &RootFrame| -> Vec<f64> {
+                headings(clip, root).iter().map(|h| h.to_degrees() - straight).collect()
+            };
+            let human = off(&done.human, &session.performance.performer.features.root);
+            let own = off(&done.clip, &session.actor.puppet.features.root);
+            let most = |x: &[f64]| x.iter().map(|h| h.abs()).fold(0.0, f64::max);
+            let strides: Vec<f64> =
+                own.windows(STRIDE).map(|w| w.iter().sum::<f64>() / w.len() as f64).collect();
+            let bend = (course(&done.clip) - straight).abs();
+            println!(
+                "{walk} {character}: course {bend:.2}°, facing {:.1}° over a stride, {:.1}° at most (human {:.1}°)",
+                most(&strides),
+                most(&own),
+                most(&human)
+            );
+            assert!(bend < 10.0 && most(&strides) < 10.0, "{walk} {character}");
+        }
+    }
+}
+
+/// Frames of a stride of either walk, 1.1 s.
+const STRIDE: usize = 33;
 
 /// The tail swings, and comes to rest where the key poses put it; with the option off it follows them.
 #[test]
