@@ -1,19 +1,13 @@
 //! Contact phases and adjustment.
 
-<<<<<<< HEAD
 use motion::{Clip, Vec3, smoothstep};
 use retarget::contacts::paths::held_paths;
-use retarget::contacts::{Phase, adjust, adjust_in_time, phases, point_paths};
+use retarget::contacts::phases::{self, human_contacts};
+use retarget::contacts::{Phase, adjust, adjust_in_time, point_paths};
 use retarget::global_transform::{global_transform, in_local_frame};
 use retarget::{ContactOptions, GlobalOptions, SizeRatio};
 
-use crate::bodies::{Held, held, mocap, puppet, same_angles, scaled};
-=======
-use retarget::ContactOptions;
-use retarget::contacts::phases::human_contacts;
-
-use crate::bodies::{Held, held, mocap, raise_left_sole};
->>>>>>> main
+use crate::bodies::{Held, held, mocap, puppet, raise_left_sole, same_angles, scaled};
 
 /// Slip, depth and jerk of what is held.
 #[test]
