@@ -160,7 +160,7 @@ pub struct AnalyzeArgs {
     pub input: PathBuf,
     /// Folder to write into; an earlier analysis there is replaced when all is complete
     /// [default: out/NAME-analysis]
-    #[arg(long, value_name = "DIR")]
+    #[arg(short, long, value_name = "DIR")]
     pub out: Option<PathBuf>,
     /// Files to write, separated by commas
     #[arg(long, value_enum, value_delimiter = ',', default_value = "csv,mot,npz")]

@@ -152,7 +152,7 @@ pub struct RenderArgs {
     #[arg(value_name = "SCENE.ron|CLIP.bvh")]
     pub input: PathBuf,
     /// Folder to write into; earlier output there is replaced when all is complete [default: out/NAME]
-    #[arg(long, value_name = "DIR")]
+    #[arg(short, long, value_name = "DIR")]
     pub out: Option<PathBuf>,
     /// What holds the root: free, pinned, assisted (10 % of body weight, 50 N·m) or
     /// assisted:FORCE_N,MOMENT_NM [default: the scene's; pinned for a clip]
@@ -272,7 +272,7 @@ pub struct CrosscheckArgs {
     pub input: PathBuf,
     /// Folder to write into; earlier output there is replaced when all is complete
     /// [default: out/NAME-crosscheck]
-    #[arg(long, value_name = "DIR")]
+    #[arg(short, long, value_name = "DIR")]
     pub out: Option<PathBuf>,
     /// Print the table as JSON, and nothing else, on standard output
     #[arg(long)]
@@ -371,7 +371,7 @@ pub struct PushArgs {
     pub at: f64,
     /// Folder to write into; an earlier map there is replaced when all is complete
     /// [default: out/NAME-push]
-    #[arg(long, value_name = "DIR")]
+    #[arg(short, long, value_name = "DIR")]
     pub out: Option<PathBuf>,
     /// Muscles and simulation.
     #[command(flatten)]

@@ -244,9 +244,10 @@ impl<'a> Drawing<'a> {
 
     fn strip(&self, note: &str) -> Figure {
         let (performed, asked) = (self.trace.clip(), self.trace.target_clip());
-        let mut rows = vec![StripRow { label: "performed", clip: &performed }];
+        let ups = &self.trace.disturbed.ground_up;
+        let mut rows = vec![StripRow::new("performed", &performed).on(ups)];
         match self.study.recorded() {
-            Some(_) => rows.insert(0, StripRow { label: "asked for", clip: &asked }),
+            Some(_) => rows.insert(0, StripRow::new("asked for", &asked).on(&ups[..ups.len().min(1)])),
             None => rows[0].label = "as analysed",
         }
         let [from_s, to_s] = self.span;

@@ -1,5 +1,6 @@
 //! Which figures a run gets.
 
+use motion::Vec3;
 use plots::{Figure, StripOptions, StripRow, film_strip_with};
 use scenes::{Outcome, Stage};
 
@@ -57,21 +58,27 @@ pub fn draw(
 }
 
 fn strip_of_edits(stage: &Stage) -> Figure {
+    let up = ground_up(stage);
     let rows = [
-        StripRow { label: "unedited", clip: &stage.unedited },
-        StripRow { label: "edited", clip: &stage.kinematic },
+        StripRow::new("unedited", &stage.unedited).on(&up),
+        StripRow::new("edited", &stage.kinematic).on(&up),
     ];
     let note = format!("{}: {}", stage.name, stage.log.edits().join(", then "));
     film_strip_with(&rows, &stage.character, &note, &options(stage))
 }
 
 fn strip_of_run(stage: &Stage, outcome: &Outcome) -> Figure {
-    let performed = stage.at_frames(&outcome.trace.clip());
+    let (up, performed) = (ground_up(stage), outcome.trace.clip());
     let rows = [
-        StripRow { label: "kinematic", clip: &stage.kinematic },
-        StripRow { label: "dynamic", clip: &performed },
+        StripRow::new("kinematic", &stage.kinematic).on(&up),
+        StripRow::new("dynamic", &performed).on(&outcome.trace.disturbed.ground_up),
     ];
     film_strip_with(&rows, &stage.character, &note(stage, outcome), &options(stage))
+}
+
+/// Normal of the ground as the motion asked for has it.
+fn ground_up(stage: &Stage) -> Vec<Vec3> {
+    stage.physics.ground.iter().map(|g| g.up).collect()
 }
 
 /// What a figure should say under its title.
@@ -105,12 +112,7 @@ fn options(stage: &Stage) -> StripOptions {
         from_s: strip.from_s,
         to_s: strip.to_s,
         yaw_deg: strip.yaw_deg,
-        // the strip's floor is level
-        ground_m: stage
-            .physics
-            .ground
-            .filter(|g| g.up.y == 1.0 && stage.tilts.is_empty())
-            .map(|g| g.height_m),
+        ground_m: stage.physics.ground.map(|g| g.height_m),
         colors: stage.colors.clone(),
         ..StripOptions::default()
     }

@@ -7,7 +7,7 @@ use motion::Clip;
 use motion::format::{self, bvh, glb};
 use scenes::retarget::{Options, Retargeted};
 use scenes::retargeting::{
-    self, Actor, Performance, RetargetReport, RetargetingError, Session, compare, study,
+    self, Actor, Performance, RetargetReport, RetargetingError, Session, compare, contact_file, study,
 };
 
 use crate::args::RetargetArgs;
@@ -26,7 +26,8 @@ const UNIT: f64 = 0.01;
 /// Bad input, a motion that cannot be mapped, files that cannot be written.
 pub fn run(args: &RetargetArgs) -> Result<(), Failure> {
     let is_scene = args.input.extension().is_some_and(|e| e.eq_ignore_ascii_case("ron"));
-    if let Some(option) = args.clip.given().filter(|_| is_scene) {
+    let option = args.clip.given().or(args.body.as_ref().map(|_| "--body"));
+    if let Some(option) = option.filter(|_| is_scene) {
         let path = args.input.display();
         return Err(Failure::Input(format!("{option} is for clips (.bvh); {path} is a scene")));
     }
@@ -35,8 +36,8 @@ pub fn run(args: &RetargetArgs) -> Result<(), Failure> {
     }
     let mut progress = Progress::new();
     progress.part("reading");
-    let import = args.clip.import();
-    let session = Session::open(&args.input, &args.to, args.keyposes.as_deref(), &import).map_err(failure)?;
+    let performance = performance(args)?;
+    let session = Session::of(performance, &args.to, args.keyposes.as_deref()).map_err(failure)?;
     let name = format!("{}-{}", session.performance.name, session.actor.file.character.name);
     let dir = args.out.clone().unwrap_or_else(|| Path::new("out").join(&name));
     Output::check(&dir)?;
@@ -54,6 +55,9 @@ pub fn run(args: &RetargetArgs) -> Result<(), Failure> {
     };
     options.global.size = args.size_ratio;
     options.refine.dofs = args.refine.0.clone();
+    if let Some(path) = &args.contacts {
+        options.contact.phases = Some(session.contacts(path).map_err(failure)?);
+    }
     let mapping = session.learn(&options).map_err(failure)?;
     let done = session.run(&mapping, &options).map_err(failure)?;
     let suggested = match args.suggest_keyposes {
@@ -96,10 +100,15 @@ pub fn run(args: &RetargetArgs) -> Result<(), Failure> {
     output::print(&if args.json { json } else { summary(&report, &dir) })
 }
 
+/// The human motion.
+fn performance(args: &RetargetArgs) -> Result<Performance, Failure> {
+    Performance::with_body(&args.input, args.body.as_deref(), &args.clip.import()).map_err(failure)
+}
+
 /// Prints first guesses.
 fn guess(args: &RetargetArgs) -> Result<(), Failure> {
     let actor = Actor::open(&args.to).map_err(failure)?;
-    let performance = Performance::open(&args.input, &args.clip.import()).map_err(failure)?;
+    let performance = performance(args)?;
     let mut text = String::new();
     for &at_s in &args.guess {
         text += &retargeting::guess(&performance, &actor, at_s).map_err(failure)?;
@@ -124,7 +133,8 @@ fn failure(e: RetargetingError) -> Failure {
 
 /// Files of this command; those not written anew are removed.
 fn ours() -> Vec<PathBuf> {
-    let files = ["retargeted.bvh", "retargeted.glb", "human.bvh", "report.json"].map(PathBuf::from);
+    let files =
+        ["retargeted.bvh", "retargeted.glb", "human.bvh", "contacts.ron", "report.json"].map(PathBuf::from);
     let kinds =
         |stem: &str| ["svg", "png"].map(|kind| Path::new(output::PLOTS).join(format!("{stem}.{kind}")));
     files.into_iter().chain(figures::STEMS.iter().flat_map(|stem| kinds(stem))).collect()
@@ -150,6 +160,11 @@ impl Folder<'_> {
     fn write(&mut self, session: &Session, done: &Retargeted, name: &str) -> Result<(), Failure> {
         self.bvh("retargeted", &done.clip)?;
         self.bvh("human", &done.human)?;
+        if done.contact.is_some() {
+            let path = self.add("contacts_ron", "contacts.ron");
+            let text = contact_file::text(&session.actor.puppet, &done.phases);
+            format::write(&path, text.as_bytes()).map_err(Failure::run)?;
+        }
         let path = self.add("retargeted_glb", "retargeted.glb");
         let stage = session.stage(done);
         glb::write_file(&path, &done.clip, &stage.solids(), &stage.colors, name).map_err(Failure::run)
@@ -201,8 +216,9 @@ fn write(out: &mut String, r: &RetargetReport, dir: &Path) -> std::fmt::Result {
         )?;
     }
     if let Some(c) = &r.contact {
+        let none = if c.phases.is_empty() { ", nothing is held on the ground" } else { "" };
         let text = format!(
-            "{} phases; slip {:.1} mm, penetration {:.1} mm",
+            "{} phases{none}; slip {:.1} mm, penetration {:.1} mm",
             c.phases.len(),
             c.slip_mm,
             c.penetration_mm

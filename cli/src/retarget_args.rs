@@ -75,6 +75,12 @@ pub struct RetargetArgs {
     /// Key poses to learn from [default: keyposes/NAME.ron beside the folder of the character]
     #[arg(long, value_name = "FILE.ron")]
     pub keyposes: Option<PathBuf>,
+    /// Character file for a clip's own body, instead of a guessed one
+    #[arg(long, value_name = "FILE.ron")]
+    pub body: Option<PathBuf>,
+    /// Contact phases: the contacts.ron of an earlier run, edited [default: found by speed and height]
+    #[arg(long, value_name = "FILE.ron")]
+    pub contacts: Option<PathBuf>,
     /// How poses are mapped
     #[arg(long, value_enum, default_value_t)]
     pub model: ModelChoice,
@@ -111,7 +117,7 @@ pub struct RetargetArgs {
     pub sheet: bool,
     /// Folder to write into; earlier output there is replaced when all is complete
     /// [default: out/PERFORMANCE-CHARACTER]
-    #[arg(long, value_name = "DIR")]
+    #[arg(short, long, value_name = "DIR")]
     pub out: Option<PathBuf>,
     /// Draw nothing
     #[arg(long)]
@@ -131,6 +137,7 @@ Examples:
   contrapposto retarget scenes/performances/fear.ron --to scenes/characters/squirrel.ron --model nn3 --stop-after map
   contrapposto retarget scenes/performances/dance.ron --to scenes/characters/penguin.ron --refine legs
   contrapposto retarget walk.bvh --to scenes/characters/squirrel.ron --size-ratio 0.2 --refine chest,spine --no-sway
+  contrapposto retarget walk.bvh --to scenes/characters/penguin.ron --contacts out/walk-penguin/contacts.ron
   contrapposto retarget walk.bvh --to scenes/characters/lamp.ron --suggest-keyposes 5
   contrapposto retarget scenes/performances/fear.ron --to scenes/characters/lamp.ron --guess 1.5,7
   contrapposto retarget scenes/performances/happiness.ron --to scenes/characters/lamp.ron --stop-after map --compare --study
@@ -139,6 +146,7 @@ Files written into DIR:
   retargeted.bvh      the motion on the character
   retargeted.glb      the same with its body, for any 3-D tool
   human.bvh           the human motion as it was used
+  contacts.ron        when each contact point stands, to edit and give to --contacts
   report.json         the numbers, see docs/RETARGET.md
   plots/              film strip of all stages, confidence, latent path, momentum, forces
 

@@ -54,7 +54,7 @@ pub struct TuneArgs {
     #[arg(long, value_name = "N", default_value_t = 16, value_parser = directions)]
     pub directions: usize,
     /// Folder to write into [default: out/NAME-tune, out/NAME-sweep]
-    #[arg(long, value_name = "DIR")]
+    #[arg(short, long, value_name = "DIR")]
     pub out: Option<PathBuf>,
     /// Draw nothing
     #[arg(long)]

@@ -20,5 +20,7 @@ mod push;
 mod render;
 #[path = "cli/report.rs"]
 mod report;
+#[path = "cli/retarget.rs"]
+mod retarget;
 #[path = "cli/tune.rs"]
 mod tune;

@@ -91,16 +91,37 @@ pub fn hull_points(shape: &Shape, world_from_link: &Transform) -> Vec<Vec3> {
     out
 }
 
-/// Shadow of a shape on the plane at the height `ground`, pictured.
-pub fn shadow(shape: &Shape, world_from_link: &Transform, camera: &Camera, ground: f64) -> Vec<Vec2> {
+/// A plane that figures stand on.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Floor {
+    /// Height above the world's origin, m.
+    pub height: f64,
+    /// Its normal, pointing up.
+    pub up: Vec3,
+}
+
+impl Floor {
+    /// A level one.
+    pub fn level(height: f64) -> Self {
+        Self { height, up: Vec3::y() }
+    }
+
+    /// Its point above or below `p`.
+    pub fn under(&self, p: &Vec3) -> Vec3 {
+        let up = &self.up;
+        Vec3::new(p.x, self.height - (p.x * up.x + p.z * up.z) / up.y.max(1e-3), p.z)
+    }
+}
+
+/// Shadow of a shape on a floor, pictured.
+pub fn shadow(shape: &Shape, world_from_link: &Transform, camera: &Camera, floor: &Floor) -> Vec<Vec2> {
     // light comes down from the viewer's upper left: shadows fall a little to the right and back
     let side = camera.near().cross(&Vec3::y()).normalize();
     let back = Vec3::y().cross(&side).normalize();
     let slope = -side * 0.16 + back * 0.10;
     let fallen = hull_points(shape, world_from_link).into_iter().map(|p| {
-        let height = (p.y - ground).max(0.0);
-        let on_plane = Vec3::new(p.x, ground, p.z) + slope * height;
-        flat(&camera.see(&on_plane))
+        let height = (p.y - floor.under(&p).y).max(0.0);
+        flat(&camera.see(&floor.under(&(p + slope * height))))
     });
     Support::of_plane(fallen.collect()).corners().to_vec()
 }
@@ -278,8 +299,15 @@ mod tests {
     fn shadow_lies_on_the_ground() {
         let camera = Camera::new(0.5, 0.2);
         let ball = Shape::Sphere { center: Vec3::new(1.0, 0.1, 2.0), radius: 0.1 };
-        let shade = Support::of_plane(shadow(&ball, &Transform::identity(), &camera, 0.0));
+        let shade = Support::of_plane(shadow(&ball, &Transform::identity(), &camera, &Floor::level(0.0)));
         let touch = flat(&camera.see(&Vec3::new(1.0, 0.0, 2.0)));
         assert!(shade.contains(&touch));
+        // on a slope too
+        let slope = Floor { height: 0.3, up: Vec3::new(0.1, 1.0, -0.2).normalize() };
+        let touch = slope.under(&Vec3::new(1.0, 0.0, 2.0));
+        assert!((touch - Vec3::y() * 0.3).dot(&slope.up).abs() < 1e-12);
+        let ball = Shape::Sphere { center: touch + slope.up * 0.1, radius: 0.1 };
+        let shade = Support::of_plane(shadow(&ball, &Transform::identity(), &camera, &slope));
+        assert!(shade.contains(&flat(&camera.see(&touch))));
     }
 }

@@ -13,6 +13,7 @@ use motion::{Clip, Kinematics, Vec3};
 use crate::camera::{Camera, facing};
 use crate::figure::{Anchor, Figure};
 use crate::panel::header;
+use crate::solid::Floor;
 use crate::solid::hull_points;
 use crate::strip::{Layout, Scene, StripOptions, painted, posed};
 use crate::style::{self, INK, LABEL, MARGIN};
@@ -47,7 +48,7 @@ pub fn stage_strip(columns: &[StageColumn], times: &[f64], yaw_deg: f64, note: &
             let (k, options) =
                 (posed(c.clip, t), StripOptions { colors: c.colors.to_vec(), ..Default::default() });
             let at = k.origin(0);
-            let mut frame = painted(&k, c.character, &camera, 0.0, &options);
+            let mut frame = painted(&k, c.character, &camera, &Floor::level(0.0), &options);
             frame.shift(&camera.see(&Vec3::new(at.x, 0.0, at.z)));
             frame.scale(tall / height(c.character));
             frame
@@ -110,7 +111,7 @@ pub fn pose_sheet(
         let k = Kinematics::new(&body.skeleton, q);
         let camera = Camera::around(facing(&body.skeleton, q), yaw_deg);
         let options = StripOptions { colors: colors.to_vec(), ..Default::default() };
-        let mut frame = painted(&k, body, &camera, 0.0, &options);
+        let mut frame = painted(&k, body, &camera, &Floor::level(0.0), &options);
         let at = k.origin(0);
         frame.shift(&camera.see(&Vec3::new(at.x, 0.0, at.z)));
         frame.scale(tall / height(body));

@@ -3,7 +3,7 @@
 //! In: clips of one character. Out: a [`Figure`]: solid bodies on a floor, left and right limbs in
 //! different tints, times below. All rows share times, scale and viewer, so that figures above each
 //! other can be compared. A motion that travels is followed; one that stays is not, so that planted
-//! feet are seen to stay.
+//! feet are seen to stay. Where the ground is tilted each figure stands on a plate as steep as it then is.
 //!
 //! Source: Neff, Fiume. Aesthetic Edits for Character Animation, SCA 2003 (NF03).
 
@@ -14,7 +14,7 @@ use motion::{Clip, Joint, Kinematics, Vec3};
 use crate::camera::{Camera, facing};
 use crate::figure::{Anchor, Figure, Px};
 use crate::panel::header;
-use crate::solid::{BANDS, Facet, Solid, grown, shadow, skin, solid};
+use crate::solid::{BANDS, Facet, Floor, Solid, grown, shadow, skin, solid};
 use crate::style::{self, Color, INK, LABEL, MARGIN, WHITE};
 
 /// One row of a film strip.
@@ -24,6 +24,26 @@ pub struct StripRow<'a> {
     pub label: &'a str,
     /// What is shown; its skeleton is the character's.
     pub clip: &'a Clip,
+    /// Normal of the ground in every frame, or one that holds throughout; empty is level.
+    pub ups: &'a [Vec3],
+}
+
+impl<'a> StripRow<'a> {
+    /// On level ground.
+    pub fn new(label: &'a str, clip: &'a Clip) -> Self {
+        Self { label, clip, ups: &[] }
+    }
+
+    /// On ground with these normals.
+    pub fn on(self, ups: &'a [Vec3]) -> Self {
+        Self { ups, ..self }
+    }
+
+    /// Normal of the ground at a time.
+    fn up(&self, t: f64) -> Vec3 {
+        let frame = (t * self.clip.rate_hz).round().max(0.0) as usize;
+        self.ups.get(frame).or(self.ups.last()).copied().unwrap_or(Vec3::y())
+    }
 }
 
 /// How a film strip is drawn.
@@ -44,7 +64,7 @@ pub struct StripOptions {
     pub from_s: f64,
     /// Last moment shown, s of the clips; `None` is the end of the longest.
     pub to_s: Option<f64>,
-    /// Height of the floor, m; `None` is the lowest point of all figures.
+    /// Height of the floor, of tilted ground under the world's origin, m; `None` is the lowest point of all figures.
     pub ground_m: Option<f64>,
     /// Title; `None` names the rows.
     pub title: Option<String>,
@@ -77,6 +97,10 @@ const LEFT: Color = Color(86, 146, 186);
 const RIGHT: Color = Color(214, 142, 92);
 const FLOOR: Color = Color(240, 242, 244);
 const SHADE: Color = Color(214, 219, 225);
+/// What figures stand on where the ground is tilted.
+const PLATE_COLOR: Color = Color(228, 231, 235);
+/// Half the side of the plate, m.
+const PLATE: f64 = 0.3;
 /// Travel of the root, m, over which the viewer follows.
 const FOLLOW: f64 = 0.6;
 
@@ -120,6 +144,8 @@ pub fn film_strip_with(
 
 /// One figure: groups of solids back to front and shadows, m, about the figure's own origin on the floor.
 pub(crate) struct Frame {
+    /// Corners of the plate that the figure stands on; none on level ground.
+    plate: Vec<Vec2>,
     groups: Vec<Group>,
     shadows: Vec<Vec<Vec2>>,
 }
@@ -160,13 +186,21 @@ impl Scene {
         let start = poses.first().and_then(|r| r.first()).map_or(Vec3::zeros(), |k| k.origin(0));
         let level = |p: Vec3| Vec3::new(p.x, ground, p.z);
         let travels = all().any(|k| (level(k.origin(0)) - level(start)).norm() > FOLLOW);
-        let frame = |k: &Kinematics| {
+        let frame = |row: &StripRow, t: f64, k: &Kinematics| {
             let origin = level(if travels { k.origin(0) } else { start });
-            let mut frame = painted(k, character, &camera, ground, options);
+            let floor = Floor { height: ground, up: row.up(t) };
+            let mut frame = painted(k, character, &camera, &floor, options);
+            if floor.up != Vec3::y() {
+                frame.plate = plate(&floor, &origin, &camera);
+            }
             frame.shift(&camera.see(&origin));
             frame
         };
-        let rows: Vec<Vec<Frame>> = poses.iter().map(|r| r.iter().map(frame).collect()).collect();
+        let rows: Vec<Vec<Frame>> = rows
+            .iter()
+            .zip(&poses)
+            .map(|(row, poses)| times.iter().zip(poses).map(|(&t, k)| frame(row, t, k)).collect())
+            .collect();
 
         let mut scene = Self { times, rows, extent: [0.0; 4] };
         scene.measure();
@@ -178,7 +212,7 @@ impl Scene {
         let mut extent = [0.0f64; 4];
         for frame in self.rows.iter().flatten() {
             let solids = frame.groups.iter().flat_map(|g| &g.solids);
-            let outlines = solids.map(|s| &s.outline).chain(&frame.shadows);
+            let outlines = solids.map(|s| &s.outline).chain(&frame.shadows).chain([&frame.plate]);
             for p in outlines.flatten() {
                 extent = [extent[0].min(p.x), extent[1].max(p.x), extent[2].min(p.y), extent[3].max(p.y)];
             }
@@ -192,7 +226,7 @@ pub(crate) fn painted(
     k: &Kinematics,
     character: &Character,
     camera: &Camera,
-    ground: f64,
+    floor: &Floor,
     options: &StripOptions,
 ) -> Frame {
     let mut tints = tints(character);
@@ -202,7 +236,16 @@ pub(crate) fn painted(
         }
     }
     let colored = options.colors.iter().any(Option::is_some);
-    draw(k, character, camera, ground, &tints, &groups(character, &tints, colored))
+    draw(k, character, camera, floor, &tints, &groups(character, &tints, colored))
+}
+
+/// A square of a floor about a point above it, pictured.
+fn plate(floor: &Floor, about: &Vec3, camera: &Camera) -> Vec<Vec2> {
+    let corner = |x: f64, z: f64| {
+        let seen = camera.see(&floor.under(&(about + Vec3::new(x, 0.0, z) * PLATE)));
+        Vec2::new(seen.x, seen.y)
+    };
+    vec![corner(-1.0, -1.0), corner(1.0, -1.0), corner(1.0, 1.0), corner(-1.0, 1.0)]
 }
 
 pub(crate) fn posed(clip: &Clip, t: f64) -> Kinematics {
@@ -265,7 +308,7 @@ fn draw(
     k: &Kinematics,
     character: &Character,
     camera: &Camera,
-    ground: f64,
+    floor: &Floor,
     tints: &[Color],
     group_of: &[usize],
 ) -> Frame {
@@ -289,7 +332,7 @@ fn draw(
             }
             before = Some(s.clone());
             group.solids.push(s);
-            shadows.push(shadow(shape, &k.world[link], camera, ground));
+            shadows.push(shadow(shape, &k.world[link], camera, floor));
         }
         ends[link] = before.filter(|_| spine(link));
     }
@@ -308,7 +351,7 @@ fn draw(
         let facets = g.solids.iter_mut().flat_map(|s| &mut s.facets);
         facets.for_each(|f| f.color = f.color.mix(WHITE, haze));
     }
-    Frame { groups, shadows }
+    Frame { plate: Vec::new(), groups, shadows }
 }
 
 /// Draws what is welded to a link (a belly, eyes, a bulb) right over its group, or right under it if it is on the
@@ -357,7 +400,7 @@ impl Frame {
             let points = s.outline.iter_mut().chain(s.facets.iter_mut().flat_map(|f| &mut f.points));
             points.for_each(&change);
         }
-        self.shadows.iter_mut().flatten().for_each(change);
+        self.shadows.iter_mut().flatten().chain(&mut self.plate).for_each(change);
     }
 }
 
@@ -438,8 +481,15 @@ impl Layout {
     }
 
     pub(crate) fn shadows(&self, figure: &mut Figure, row: usize, slot: usize, frame: &Frame) {
+        let plate = self.page(row, slot, &frame.plate);
+        if !plate.is_empty() {
+            figure.fill(plate.clone(), PLATE_COLOR);
+        }
         for s in &frame.shadows {
             figure.fill(self.page(row, slot, s), SHADE);
+        }
+        if let Some(&corner) = plate.first() {
+            figure.line([plate, vec![corner]].concat(), style::SOFT, style::THIN);
         }
     }
 

@@ -6,6 +6,7 @@ mod sample;
 use std::path::{Path, PathBuf};
 
 use dynamics::{AnalysisOptions, Ground, GroundForces, RootMode, Trace, analyze};
+use motion::Vec3;
 use motion::smooth::Smoothing;
 use plots::figure::Mark;
 use plots::{
@@ -61,7 +62,7 @@ fn witnesses(trace: &Trace) -> Vec<Witness> {
 fn strip(count: usize) -> Figure {
     let character = sample::human();
     let (plain, edited) = (sample::bow(&character, 0.0), sample::bow(&character, 0.2));
-    let rows = [StripRow { label: "unedited", clip: &plain }, StripRow { label: "edited", clip: &edited }];
+    let rows = [StripRow::new("unedited", &plain), StripRow::new("edited", &edited)];
     let options = StripOptions { count, yaw_deg: Some(-50.0), ..StripOptions::default() };
     film_strip_with(&rows, &character, "bow: succession", &options)
 }
@@ -107,11 +108,14 @@ fn figures() -> Vec<(&'static str, Figure)> {
     let character = sample::human();
     let clip = sample::bow(&character, 0.2);
     let walk = sample::walk(&character);
-    let walking = [StripRow { label: "walk", clip: &walk }];
+    let walking = [StripRow::new("walk", &walk)];
     let mut all = of_trace(&sample::trace(&character, &clip));
     all.push(("strip", strip(8)));
     let options = StripOptions { count: 6, ..StripOptions::default() };
     all.push(("walk", film_strip_with(&walking, &character, "a motion that travels", &options)));
+    let slope = [Vec3::new(0.0, 1.0, 0.2).normalize()];
+    let tilted = [StripRow::new("walk", &walk).on(&slope)];
+    all.push(("slope", film_strip_with(&tilted, &character, "on a slope", &options)));
     all.push(("push", push_map(&spokes(16), "stand: pushed at its centre of mass")));
     all.push(("push_one", push_map(&spokes(1), "")));
     all.push(("push_many", push_map(&spokes(120), &"a long note ".repeat(30))));

@@ -11,7 +11,7 @@ use thiserror::Error;
 #[derive(Clone, Debug, PartialEq, Error)]
 pub enum RetargetError {
     /// Too few pairs.
-    #[error("{found} key poses; at least {least} are needed to learn a mapping")]
+    #[error("{found} key pose{}; at least {least} are needed to learn a mapping", if *.found == 1 { "" } else { "s" })]
     TooFewKeyPoses {
         /// Found.
         found: usize,

@@ -18,13 +18,16 @@
 
 use dynamics::JointClass;
 use dynamics::anthropometry::Anatomy;
-use motion::{Kinematics, LimbKind, Quat, Site, Transform, Vec3};
+use motion::{Joint, Kinematics, LimbKind, Limits, Quat, Site, Transform, Vec3};
 
 use crate::fit::JointFit;
 use crate::{Features, Performer, Puppet, RetargetError};
 
 /// Distance of the points around the eyes and the root from their middle, in heights of the eyes.
 const ARM: f64 = 0.25;
+
+/// Bends of hinges from which the search starts, rad: the answer that misses least counts, the first of equals.
+const BENDS: [f64; 3] = [0.3, 0.8, 1.6];
 
 /// A pose of the puppet for the human pose `human` (`nq` of the performer); it stands where it stands at rest.
 ///
@@ -65,7 +68,15 @@ pub fn guess(performer: &Performer, human: &[f64], puppet: &Puppet) -> Result<Ve
         let turn = human.pelvis * at_rest.turn(0);
         aims.add_frame(0, &Vec3::zeros(), origin + scale * human.pelvis_moved, turn, arm);
     }
-    aims.solve(puppet, &mut q);
+    let mut least = f64::INFINITY;
+    for by in BENDS {
+        let mut from = puppet.character.rest.clone();
+        bend(&mut from, puppet, by);
+        let missed = aims.solve(puppet, &mut from);
+        if missed < least {
+            (q, least) = (from, missed);
+        }
+    }
 
     let now = Seen::new(&puppet.features, Kinematics::new(skeleton, &q));
     for (shoulder, end, at) in arms(puppet) {
@@ -79,6 +90,24 @@ pub fn guess(performer: &Performer, human: &[f64], puppet: &Puppet) -> Result<Ve
     let height = skeleton.position(&q, 0).y;
     skeleton.set_position(&mut q, 0, &Vec3::new(home.x, height, home.z));
     Ok(q)
+}
+
+/// Bends all hinges but those of arms into their range, as far as `by`, rad: along a straight leg nothing moves a hip
+/// down to first order, and a knee that is started straight is pressed against its stop. Elbows hang bent, and what
+/// is asked of arms does not say how they swivel.
+fn bend(q: &mut [f64], puppet: &Puppet, by: f64) {
+    let skeleton = &puppet.character.skeleton;
+    let arms: Vec<usize> =
+        skeleton.limbs().iter().filter(|l| l.kind == LimbKind::Arm).map(|l| l.upper).collect();
+    for (i, link) in skeleton.links().iter().enumerate() {
+        if skeleton.ancestors(i).any(|l| arms.contains(&l)) {
+            continue;
+        }
+        if let (Joint::Revolute(_), Some(Limits::Axis(range))) = (link.joint, &link.limits) {
+            let angle = &mut q[skeleton.q_at(i)];
+            *angle += (0.5 * (range.lo + range.hi) - *angle).clamp(-by, by);
+        }
+    }
 }
 
 /// Each arm's shoulder, and its end: a link and a point on it.
@@ -194,9 +223,10 @@ impl Aims {
         }
     }
 
-    fn solve(&self, puppet: &Puppet, q: &mut [f64]) {
+    /// Moves `q` to the aims; returns the RMS distance that is left, m.
+    fn solve(&self, puppet: &Puppet, q: &mut [f64]) -> f64 {
         let features = Features { points: self.points.clone(), root: puppet.features.root, unit_m: 1.0 };
-        JointFit::new(&puppet.character.skeleton, &features).solve(&self.at, q, false);
+        JointFit::new(&puppet.character.skeleton, &features).solve(&self.at, q, false).rms_m
     }
 }
 
@@ -245,6 +275,37 @@ mod tests {
         let there = guess(&performer, &q, &puppet).unwrap();
         let worst = here.iter().zip(&there).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
         assert!(worst < 1e-6, "{worst}"); // 2e-9 seen
+    }
+
+    /// A human that crouches is the same human crouching, however deep: knees bend, feet stay, the pelvis comes down.
+    #[test]
+    fn a_crouch_is_a_crouch() {
+        let (performer, puppet) = pair();
+        let s = &performer.character.skeleton;
+        let rest = Kinematics::new(s, &performer.character.rest);
+        let turn = |x: f64| motion::rotation::exp(&(Vec3::x() * x.to_radians()));
+        for (hip, knee, back) in [(-30.0, 50.0, 0.0), (-75.0, 110.0, 20.0), (-100.0, 130.0, 45.0)] {
+            let mut q = performer.character.rest.clone();
+            for side in ["l", "r"] {
+                let link = |joint: &str| s.link(&format!("{joint}_{side}")).unwrap();
+                s.set_rotation(&mut q, link("hip"), &turn(hip));
+                q[s.q_at(link("knee"))] = f64::to_radians(knee);
+                s.set_rotation(&mut q, link("ankle"), &turn(-hip - knee));
+            }
+            s.set_rotation(&mut q, s.link("chest").unwrap(), &turn(back));
+            let foot = s.link("ankle_l").unwrap();
+            let mut root = s.position(&q, 0);
+            root.y += rest.origin(foot).y - Kinematics::new(s, &q).origin(foot).y;
+            s.set_position(&mut q, 0, &root);
+            let guessed = guess(&performer, &q, &puppet).unwrap();
+            let (a, b) = (Kinematics::new(s, &guessed), Kinematics::new(s, &q));
+            let off = |k: &Kinematics, name: &str| k.origin(s.link(name).unwrap()) - k.origin(0);
+            for name in ["hip_l", "knee_l", "ankle_l", "knee_r", "ankle_r", "head"] {
+                let apart = (off(&a, name) - off(&b, name)).norm();
+                println!("knees at {knee}°: {name} {apart:.4} m");
+                assert!(apart < 1e-3, "knees at {knee}°: {name}: {apart}");
+            }
+        }
     }
 
     /// The face looks where the human's looks.

@@ -10,13 +10,15 @@
 //!   separates it from its own path over [`LEAVE_S`], by the quintic below. Points of one link that land one after the
 //!   other keep their distances:
 //!   `x₀ (1 − s)³(1 + 3s + 6s²) + ẋ₀ T s(1 − s)³(1 + 3s)`: position and rate never jump.
+//! - own floors of the human points, which a clip tells as a whole: given by [`Live::on_floors`], from a recording of a few
+//!   steps ([`own_floors`](crate::contacts::phases::own_floors)); without it the ground.
 //!
 //! [`GlobalOptions::drift_hz`]: crate::GlobalOptions::drift_hz
 
 use dynamics::{Model, State};
 use motion::{Kinematics, Quat, Transform, Vec3};
 
-use crate::contacts::paths::{Span, floored};
+use crate::contacts::paths::Span;
 use crate::contacts::phases::{LEAVE, follows, groups};
 use crate::contacts::reach::Reach;
 use crate::fit::place_root;
@@ -28,6 +30,8 @@ use crate::{Follow, Mapping, Options, Performer, Puppet, RetargetError};
 pub const LAND_S: f64 = 0.1;
 /// Time in which a point that leaves returns to its own path, s.
 pub const LEAVE_S: f64 = 0.3;
+/// Depth that a flying point approaches but never reaches, m.
+const FLOOR_M: f64 = 0.004;
 
 /// The character now.
 #[derive(Clone, Copy, Debug)]
@@ -111,6 +115,8 @@ pub struct Live<'m> {
     leak: f64,
     dt: f64,
     thresholds: [f64; 2],
+    /// Own floor of each human contact point, m.
+    floors: Vec<f64>,
     human: Momentum,
     own: Momentum,
     human_k: Kinematics,
@@ -177,6 +183,7 @@ impl<'m> Live<'m> {
             leak: 1.0 - (-std::f64::consts::TAU * options.global.drift_hz / rate_hz).exp(),
             dt: 1.0 / rate_hz,
             thresholds: [options.contact.height_m * size, options.contact.speed_m_s * size],
+            floors: vec![0.0; contacts],
             human: Momentum::new(&performer.character),
             own: Momentum::new(&puppet.character),
             human_k: Kinematics::new(&performer.character.skeleton, &performer.character.rest),
@@ -200,6 +207,13 @@ impl<'m> Live<'m> {
         })
     }
 
+    /// With own floors of the performer's contact points, m above the ground; those that are missing are 0.
+    #[must_use]
+    pub fn on_floors(mut self, floors: &[f64]) -> Self {
+        self.floors.iter_mut().zip(floors).for_each(|(own, given)| *own = *given);
+        self
+    }
+
     /// The character's pose for a human pose (`nq` of the performer, ground at height 0).
     ///
     /// # Errors
@@ -211,7 +225,7 @@ impl<'m> Live<'m> {
         self.goals();
         // a point that is still landing gives way to those of its link that have landed
         let (goals, down, points) = (&self.goals, &self.down, &self.points);
-        let rests = |c: usize| down[c] && points[c].since_s >= LAND_S;
+        let rests = |c: usize| if down[c] && points[c].since_s >= LAND_S { 1.0 } else { 0.0 };
         self.reach.solve(&self.world, &|c| (goals[c], rests(c)), &mut self.pose);
         self.frames += 1;
         Ok(LiveFrame { pose: &self.pose, mapped, down: &self.down })
@@ -252,7 +266,8 @@ impl<'m> Live<'m> {
             let first = self.frames == 0;
             let speed = if first { 0.0 } else { (p - self.human_points[i]).norm() / self.dt };
             let times = if self.human_down[i] { LEAVE } else { 1.0 };
-            self.human_down[i] = p.y < times * self.thresholds[0] && speed < times * self.thresholds[1];
+            let height = p.y - self.floors[i];
+            self.human_down[i] = height < times * self.thresholds[0] && speed < times * self.thresholds[1];
             self.human_points[i] = p;
         }
     }
@@ -309,6 +324,11 @@ fn fitted(mut place: Vec3, others: &[(Vec3, f64)]) -> Vec3 {
         }
     }
     place
+}
+
+/// Height kept above −[`FLOOR_M`].
+fn floored(y: f64) -> f64 {
+    if y < 0.0 { y / (1.0 + (y / FLOOR_M).powi(2)).sqrt() } else { y }
 }
 
 /// What is left of a point's offset.

@@ -64,13 +64,15 @@ pub struct ContactOptions {
     pub speed_m_s: f64,
     /// Phases and gaps shorter than this are dropped, s.
     pub shortest_s: f64,
-    /// Phases by hand; replaces what is found.
+    /// Time by which a phase may begin later or end earlier than the human's where the step beside it needs it, s.
+    pub give_s: f64,
+    /// Phases by hand; replaces what is found, and nothing gives way.
     pub phases: Option<Vec<Phase>>,
 }
 
 impl Default for ContactOptions {
     fn default() -> Self {
-        Self { height_m: 0.025, speed_m_s: 0.6, shortest_s: 0.1, phases: None }
+        Self { height_m: 0.025, speed_m_s: 0.6, shortest_s: 0.1, give_s: 0.1, phases: None }
     }
 }
 

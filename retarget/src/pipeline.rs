@@ -2,7 +2,7 @@
 
 use motion::{Clip, Smoothing, smooth};
 
-use crate::contacts::{adjust, phases};
+use crate::contacts::{adjust, adjust_in_time, phases};
 use crate::global_transform::global_transform;
 use crate::mapping::{Mapping, map_clip};
 use crate::options::Stage;
@@ -61,10 +61,14 @@ pub fn run_with(
         return Ok(out);
     }
     out.phases = phases::find(performer, &out.human, puppet, &options.contact)?;
-    if options.contact.phases.is_none() {
-        out.phases = phases::landing(puppet, &out.clip, &out.phases)?;
-    }
-    let (held, contact) = adjust(puppet, &out.clip, &out.phases)?;
+    let (held, contact) = if options.contact.phases.is_some() {
+        adjust(puppet, &out.clip, &out.phases)?
+    } else {
+        let landed = phases::landing(puppet, &out.clip, &out.phases)?;
+        let (phases, held, contact) = adjust_in_time(puppet, &out.clip, &landed, &options.contact)?;
+        out.phases = phases;
+        (held, contact)
+    };
     out.reached(Stage::Contact, held);
     out.contact = Some(contact);
     if options.stop_after == Stage::Contact {

@@ -7,13 +7,14 @@
 //! ```sh
 //! cargo run --release -p scenes --example retargeting                      # the root's height moves
 //! cargo run --release -p scenes --example retargeting -- legs              # root and legs
+//! cargo run --release -p scenes --example retargeting -- contact           # contacts alone, in seconds
 //! cargo run --release -p scenes --example retargeting -- height lamp dance # one pair
 //! ```
 
 use std::path::{Path, PathBuf};
 
 use motion::format::bvh::ImportOptions;
-use scenes::retarget::{Options, RefineDofs};
+use scenes::retarget::{Options, RefineDofs, Stage};
 use scenes::retargeting::Session;
 
 const CHARACTERS: [&str; 3] = ["lamp", "penguin", "squirrel"];
@@ -38,7 +39,8 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         None | Some("height") => RefineDofs::RootHeight,
         Some("root") => RefineDofs::Root,
         Some("legs") => RefineDofs::RootAndLegs,
-        Some(other) => return Err(format!("`{other}` is none of height, root, legs").into()),
+        Some("contact") => RefineDofs::default(),
+        Some(other) => return Err(format!("`{other}` is none of height, root, legs, contact").into()),
     };
     let of = |at: usize, all: &[&str]| match asked.get(at) {
         Some(x) if x != "all" => x.split(',').map(str::to_owned).collect(),
@@ -47,7 +49,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let every: Vec<&str> = PERFORMANCES.into_iter().chain(CLIPS).collect();
     println!("lengths in mm; jerk over that of the mapped motion; Z_p fell by %; frames outside the cone");
     println!(
-        "                             | slip depth jerk |   Fx   Fy   Fz   Nx   Ny   Nz |   all | root: median, most; slip | cone | steps | s"
+        "                                 | slip depth jerk |   Fx   Fy   Fz   Nx   Ny   Nz |   all | root: median, most; slip | cone | steps | s"
     );
     for character in of(1, &CHARACTERS) {
         for performance in of(2, &every) {
@@ -56,20 +58,30 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
             let session = Session::open(&path(&performance), &to, None, &import)?;
             let mut options = Options { rate_hz: Some(RATE_HZ), ..Options::default() };
             options.refine.dofs = dofs.clone();
+            if asked.first().is_some_and(|x| x == "contact") {
+                options.stop_after = Stage::Contact;
+            }
             let mapping = session.learn(&options)?;
             let start = std::time::Instant::now();
             let done = session.run(&mapping, &options)?;
             let seconds = start.elapsed().as_secs_f64();
-            let (Some(c), Some(r)) = (&done.contact, &done.refinement) else { continue };
-            let share = |i: usize| 100.0 * (1.0 - r.after[i] / r.before[i].max(1e-12));
-            let sum = |x: &[f64; 6]| x.iter().sum::<f64>();
-            let each: Vec<String> = (0..6).map(|i| format!("{:4.0}", share(i))).collect();
-            println!(
-                "{character:8} {performance:10} {:5.1} s | {:.2} {:.2} {:.2} | {} | {:5.1} | {:5.1} {:5.1} {:.2} | {:2} → {:2} | {:2} | {seconds:.1}",
+            let Some(c) = &done.contact else { continue };
+            print!(
+                "{character:8} {performance:14} {:5.1} s | {:.2} {:.2} {:.2} | ",
                 done.clip.duration_s(),
                 1e3 * c.slip_m,
                 1e3 * c.penetration_m,
                 c.jerk_ratio,
+            );
+            let Some(r) = &done.refinement else {
+                println!("{seconds:.1}");
+                continue;
+            };
+            let share = |i: usize| 100.0 * (1.0 - r.after[i] / r.before[i].max(1e-12));
+            let sum = |x: &[f64; 6]| x.iter().sum::<f64>();
+            let each: Vec<String> = (0..6).map(|i| format!("{:4.0}", share(i))).collect();
+            println!(
+                "{} | {:5.1} | {:5.1} {:5.1} {:.2} | {:2} → {:2} | {:2} | {seconds:.1}",
                 each.join(" "),
                 100.0 * (1.0 - sum(&r.after) / sum(&r.before)),
                 1e3 * r.root_median_m,

@@ -20,6 +20,8 @@ pub struct SceneMotion {
     pub to: PathBuf,
     /// The key poses; `None` takes those beside the character.
     pub key_poses: Option<PathBuf>,
+    /// Contact phases by hand; `None` finds them.
+    pub contacts: Option<PathBuf>,
     /// How it is done.
     pub options: retarget::Options,
 }
@@ -27,7 +29,8 @@ pub struct SceneMotion {
 impl Check<'_> {
     /// The human motion of a scene that has no script of its own.
     pub(crate) fn motion(&self, ron: &SceneRon, character: &Path) -> Result<Option<SceneMotion>, SceneError> {
-        let Some(MotionRon::Retarget { of, keyposes, model, stop_after, size, refine, sway }) = &ron.motion
+        let Some(MotionRon::Retarget { of, keyposes, model, stop_after, size, refine, sway, contacts }) =
+            &ron.motion
         else {
             return Ok(None);
         };
@@ -47,6 +50,10 @@ impl Check<'_> {
             of: self.source.beside("motion.of", "performance", of)?,
             to: character.to_owned(),
             key_poses: keyposes.as_ref().map(|k| folder.join(k)),
+            contacts: match contacts {
+                Some(file) => Some(self.source.beside("motion.contacts", "file of contact phases", file)?),
+                None => None,
+            },
             options: retarget::Options {
                 model: match model {
                     ModelRon::Gplvm => MappingModel::Gplvm,

@@ -225,6 +225,8 @@ pub enum MotionRon {
         /// Whether parts that can follow by dynamics do.
         #[serde(default = "yes")]
         sway: bool,
+        /// Contact phases by hand, relative to the scene file.
+        contacts: Option<String>,
     },
 }
 

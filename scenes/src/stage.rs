@@ -369,8 +369,12 @@ fn stage_retargeted(scene: &Scene, motion: &SceneMotion) -> Result<Stage, SceneE
     let import = ImportOptions::default();
     let session =
         Session::open(&motion.of, &motion.to, motion.key_poses.as_deref(), &import).map_err(fault)?;
-    let mapping = session.learn(&motion.options).map_err(fault)?;
-    let done = session.run(&mapping, &motion.options).map_err(fault)?;
+    let mut options = motion.options.clone();
+    if let Some(path) = &motion.contacts {
+        options.contact.phases = Some(session.contacts(path).map_err(fault)?);
+    }
+    let mapping = session.learn(&options).map_err(fault)?;
+    let done = session.run(&mapping, &options).map_err(fault)?;
     let mut stage = session.stage(&done);
     stage.name.clone_from(&scene.name);
     stage.physics = Physics { rate_hz: stage.physics.rate_hz, ..scene.physics };

@@ -5,10 +5,6 @@ use std::collections::BTreeSet;
 use crate::place::{Place, root};
 use crate::report::paths;
 
-fn report(place: &Place, folder: &str) -> serde_json::Value {
-    serde_json::from_slice(&std::fs::read(place.at(folder).join("report.json")).unwrap()).unwrap()
-}
-
 fn number(v: &serde_json::Value, path: &str) -> f64 {
     let found = path.split('.').fold(v, |v, key| &v[key]);
     found.as_f64().unwrap_or_else(|| panic!("{path} in {v:#}"))
@@ -31,7 +27,7 @@ fn a_clip() {
     let tables: Vec<&String> = names.iter().filter(|n| !n.starts_with("plots/")).collect();
     assert_eq!(tables, FILES);
     assert_eq!(names.len() - tables.len(), 16);
-    let r = report(&place, "out/clip-analysis");
+    let r = place.report("out/clip-analysis");
     for file in r["files"].as_object().unwrap().values() {
         assert!(place.at("out/clip-analysis").join(file.as_str().unwrap()).is_file(), "{file}");
     }

@@ -81,6 +81,29 @@ impl Place {
         self.run(&args)
     }
 
+    /// Runs into `out`, in which earlier output lies: expects a refusal with these words, and the folder as it was.
+    #[track_caller]
+    pub fn refused(&self, args: &[&str], words: &[&str]) {
+        self.write("out/kinematic.bvh", "earlier");
+        self.write("out/report.json", "earlier");
+        self.write("out/notes.txt", "mine");
+        let before = self.files("out");
+        let done = self.run(&[args, &["--no-plots", "--out", "out"]].concat());
+        assert_eq!(done.code, 2, "{words:?}: {}", done.stderr);
+        assert_eq!(done.stdout, "", "{words:?}");
+        assert_eq!(done.stderr.matches("error:").count(), 1, "{}", done.stderr);
+        for word in words {
+            assert!(done.stderr.contains(word), "`{word}` is not in\n{}", done.stderr);
+        }
+        assert!(!done.stderr.contains("panicked"), "{}", done.stderr);
+        assert!(self.files("out") == before, "{words:?}: the output folder changed");
+    }
+
+    /// The report that a run wrote into a folder.
+    pub fn report(&self, folder: &str) -> serde_json::Value {
+        serde_json::from_slice(&std::fs::read(self.at(folder).join("report.json")).unwrap()).unwrap()
+    }
+
     /// Paths of all files in a folder, relative to it, and their bytes, sorted.
     pub fn files(&self, folder: &str) -> Vec<(String, Vec<u8>)> {
         fn walk(dir: &Path, at: &str, found: &mut Vec<(String, Vec<u8>)>) {

@@ -9,10 +9,6 @@ fn field<'a>(report: &'a serde_json::Value, path: &str) -> &'a serde_json::Value
     path.split('.').fold(report, |v, key| v.get(key).unwrap_or_else(|| panic!("no {path} in the report")))
 }
 
-fn report(place: &Place, folder: &str) -> serde_json::Value {
-    serde_json::from_slice(&std::fs::read(place.at(folder).join("report.json")).unwrap()).unwrap()
-}
-
 /// The first scene a newcomer renders: files, numbers, and forces that explain the motion.
 #[test]
 fn the_bow() {
@@ -24,7 +20,7 @@ fn the_bow() {
     let names: Vec<String> = place.files("out").into_iter().map(|(name, _)| name).collect();
     assert_eq!(names, ["dynamic.bvh", "dynamic.glb", "kinematic.bvh", "report.json", "trace.npz"]);
 
-    let r = report(&place, "out");
+    let r = place.report("out");
     for path in [
         "scene",
         "frames",
@@ -90,7 +86,7 @@ fn without_edits() {
     for args in [&["--kinematic"][..], &["--kinematic", "--no-edits"]] {
         let done = place.render(&bow, args);
         assert_eq!(done.code, 0, "{}", done.stderr);
-        jerk.push(field(&report(&place, "out"), "kinematic.jerk_ratio").as_f64().unwrap());
+        jerk.push(field(&place.report("out"), "kinematic.jerk_ratio").as_f64().unwrap());
     }
     assert!(jerk[0] < 0.9 && jerk[1] == 1.0, "{jerk:?}");
     let clip = place.clip("", "");
@@ -162,7 +158,7 @@ fn kinematic_output_replaces_dynamic_output() {
     assert_eq!(done.code, 0, "{}", done.stderr);
     let names: Vec<String> = place.files("out").into_iter().map(|(name, _)| name).collect();
     assert_eq!(names, ["kinematic.bvh", "kinematic.glb", "notes.txt", "plots/mine.svg", "report.json"]);
-    assert!(report(&place, "out").get("dynamic").is_none());
+    assert!(place.report("out").get("dynamic").is_none());
     assert!(gltf::Gltf::open(place.at("out/kinematic.glb")).is_ok());
 }
 
@@ -214,7 +210,7 @@ fn a_run_that_diverges() {
         assert!(done.stderr.contains(word), "{}", done.stderr);
     }
     assert!(done.stdout.contains("FAILED"), "{}", done.stdout);
-    let r = report(&place, "out");
+    let r = place.report("out");
     assert!(field(&r, "dynamic.diverged").as_str().unwrap().contains("diverged"));
     assert_eq!(place.files("out").len(), 5 + 14);
 }
@@ -228,7 +224,7 @@ fn a_body_that_falls() {
     assert_eq!(done.code, 0, "{}", done.stderr);
     assert!(done.stdout.contains("THE BODY FELL at"), "{}", done.stdout);
     assert!(done.stdout.contains("the capture point left the support at 0."), "{}", done.stdout);
-    let r = report(&place, "out");
+    let r = place.report("out");
     assert_eq!(field(&r, "dynamic.fell"), true);
     assert_eq!(field(&r, "dynamic.fall.cause"), "capture point");
     assert_eq!(field(&r, "dynamic.fall.at_s"), field(&r, "dynamic.fell_at_s"));
@@ -249,7 +245,7 @@ fn legs_that_were_asked_for_less() {
     let done = place.render(&place.scene("", ""), &["--tension", "0.25"]);
     assert_eq!(done.code, 0, "{}", done.stderr);
     assert!(done.stdout.contains("tension RAISED from 0.25 to 0.6 (+140 %)"), "{}", done.stdout);
-    let legs = field(&report(&place, "out"), "dynamic.leg_tension").clone();
+    let legs = field(&place.report("out"), "dynamic.leg_tension").clone();
     assert_eq!(legs.as_array().unwrap().len(), 6);
     assert_eq!((&legs[0]["asked"], &legs[0]["used"]), (&0.25.into(), &0.6.into()));
 }
@@ -273,14 +269,14 @@ fn a_clip() {
     };
     assert_eq!(offsets(inches.clone()), offsets(place.at("out/dynamic.bvh")));
     assert_eq!(offsets(inches.clone()), offsets(place.at("out/kinematic.bvh")));
-    let r = report(&place, "out");
+    let r = place.report("out");
     assert_eq!(field(&r, "dynamic.root.mode"), "pinned");
     let stated =
         place.render(&inches, &["--units", "0.0254", "--up", "y", "--drop-t-pose", "--root", "free"]);
     assert_eq!(stated.code, 0, "{}", stated.stderr);
     assert!(stated.stdout.contains("units: 0.0254 m (stated"), "{}", stated.stdout);
     assert!(stated.stdout.contains("up: Y (stated"), "{}", stated.stdout);
-    assert_eq!(field(&report(&place, "out"), "dynamic.root.mode"), "free");
+    assert_eq!(field(&place.report("out"), "dynamic.root.mode"), "free");
 }
 
 /// A clip that stands, then walks off: its standing span is performed free, in a folder of its own; the rest is named
@@ -295,13 +291,13 @@ fn a_clip_that_steps() {
     for word in ["its standing span performed", "the body stands", "steps: leg_l, leg_r; not performed"] {
         assert!(done.stdout.contains(word), "`{word}` is not in\n{}", done.stdout);
     }
-    let whole = report(&place, "out");
+    let whole = place.report("out");
     let spans = field(&whole, "spans").as_array().unwrap();
     assert_eq!(spans.len(), 2);
     assert_eq!((spans[0]["folder"].as_str(), spans[1]["folder"].as_str()), (Some("span_1"), None));
     assert_eq!(spans[0]["dynamic"]["fell"], false);
     assert!(whole.get("dynamic").is_none());
-    let part = report(&place, "out/span_1");
+    let part = place.report("out/span_1");
     assert_eq!(field(&part, "dynamic.root.mode"), "free");
     assert!(place.at("out/span_1/dynamic.bvh").exists() && !place.at("out/dynamic.bvh").exists());
 
@@ -322,7 +318,7 @@ fn a_pareto_curve() {
     let done = place.run(&["render", scene.to_str().unwrap(), "--pareto", "0.4,0", "--out", "out", "--json"]);
     assert_eq!(done.code, 0, "{}", done.stderr);
     let curve: serde_json::Value = serde_json::from_str(&done.stdout).unwrap();
-    assert_eq!(curve, report(&place, "out"));
+    assert_eq!(curve, place.report("out"));
     let fidelities: Vec<_> =
         curve["points"].as_array().unwrap().iter().map(|p| p["fidelity"].as_f64()).collect();
     assert_eq!(fidelities, [Some(0.0), Some(0.4)]);
@@ -335,12 +331,12 @@ fn a_clip_with_its_written_body() {
     let place = Place::new();
     let clip = place.clip("", "");
     assert_eq!(place.render(&clip, &[]).code, 0);
-    let guessed = report(&place, "out");
+    let guessed = place.report("out");
     let done = place.run(&["inspect", clip.to_str().unwrap(), "--write-body", "body.ron"]);
     assert_eq!(done.code, 0, "{}", done.stderr);
     let done = place.render(&clip, &["--body", "body.ron"]);
     assert_eq!(done.code, 0, "{}", done.stderr);
-    let written = report(&place, "out");
+    let written = place.report("out");
     assert_eq!(field(&guessed, "character.dof"), field(&written, "character.dof"));
     let rms = |r: &serde_json::Value| field(r, "dynamic.joint_rms_deg").as_f64().unwrap();
     assert!((rms(&guessed) - rms(&written)).abs() < 1e-3, "{} {}", rms(&guessed), rms(&written));

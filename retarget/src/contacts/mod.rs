@@ -6,18 +6,22 @@
 //! | module | holds |
 //! |---|---|
 //! | [`phases`] | when human points touch, and the character's with them |
-//! | [`paths`] | where each point has to be in every frame |
+//! | `pace` | phases that give way to steps that need more time |
+//! | [`paths`] | where each point has to be in every frame: `planted`, link by link |
 //! | [`reach`] | the pose that puts the points there |
 //!
 //! \[YAH10\] Yamane, Ariki, Hodgins. Animating Non-Humanoid Characters with Human Motion Data, SCA 2010.
 
+mod pace;
 pub mod paths;
 pub mod phases;
+mod planted;
 pub mod reach;
 
-use motion::{Clip, Vec3};
+use motion::{Clip, Vec3, smoothstep};
 
 use crate::global_transform::low_pass;
+use crate::options::ContactOptions;
 use crate::result::ContactReport;
 use crate::{Puppet, RetargetError};
 use paths::{Path, Span, held_paths};
@@ -36,9 +40,6 @@ pub struct Phase {
 
 /// Holds the contact points of `clip` in their phases; what else moves, moves as little as it can.
 ///
-/// In two passes: solved frame by frame, the root is jerked about wherever a straight leg has to reach. Of the
-/// way it takes in the first pass it keeps what is slow, and in the second it gives way only where legs cannot reach.
-///
 /// # Errors
 /// A phase of an unknown point, reversed, outside the clip, or overlapping another of its point.
 pub fn adjust(
@@ -47,13 +48,45 @@ pub fn adjust(
     phases: &[Phase],
 ) -> Result<(Clip, ContactReport), RetargetError> {
     let spans = phases::spans(puppet, phases, clip)?;
-    let before = point_paths(puppet, clip);
-    let goals = held_paths(puppet, &before, &spans, clip.rate_hz);
-    let mut reach = Reach::new(puppet, &spans);
+    let source = point_paths(puppet, clip);
+    let goals = held_paths(puppet, &source, &spans, clip.rate_hz);
+    Ok(follow(puppet, clip, &source, &goals, &spans))
+}
+
+/// As [`adjust`], with phases that give way where steps need more time, by up to [`ContactOptions::give_s`] at either
+/// end: the phases, the clip, its report.
+///
+/// # Errors
+/// As [`adjust`].
+pub fn adjust_in_time(
+    puppet: &Puppet,
+    clip: &Clip,
+    phases: &[Phase],
+    options: &ContactOptions,
+) -> Result<(Vec<Phase>, Clip, ContactReport), RetargetError> {
+    let spans = phases::spans(puppet, phases, clip)?;
+    let source = point_paths(puppet, clip);
+    let (spans, goals) = pace::pace(puppet, &source, spans, clip.rate_hz, options);
+    let (out, report) = follow(puppet, clip, &source, &goals, &spans);
+    Ok((phases::named(puppet, &spans, clip.rate_hz), out, report))
+}
+
+/// The clip whose points are at their goals.
+///
+/// In two passes: solved frame by frame, the root is jerked about wherever a straight leg has to reach. Of the
+/// way it takes in the first pass it keeps what is slow, and in the second it gives way only where legs cannot reach.
+fn follow(
+    puppet: &Puppet,
+    clip: &Clip,
+    source: &[Path],
+    goals: &[Path],
+    spans: &[Vec<Span>],
+) -> (Clip, ContactReport) {
+    let hold: Vec<Vec<f64>> = spans.iter().map(|s| firmness(s, clip)).collect();
+    let mut reach = Reach::new(puppet, spans);
     let mut out = clip.clone();
     let put = |reach: &mut Reach, from: &[f64], i: usize, q: &mut [f64]| {
-        let resting = |c: usize| spans[c].iter().any(|s| s.first <= i && i <= s.last);
-        reach.solve(from, &|c| (goals[c][i], resting(c)), q);
+        reach.solve(from, &|c| (goals[c][i], hold[c][i]), q);
     };
     for i in 0..clip.frames() {
         put(&mut reach, clip.pose(i), i, out.pose_mut(i));
@@ -76,8 +109,16 @@ pub fn adjust(
         clip.skeleton.integrate(&mut from, &way, 1.0);
         put(&mut reach, &from, i, out.pose_mut(i));
     }
-    let report = report(&before, &point_paths(puppet, &out), &spans, clip.rate_hz);
-    Ok((out, report))
+    let report = report(source, &point_paths(puppet, &out), spans, clip.rate_hz);
+    (out, report)
+}
+
+/// How firmly a point is held in each frame: 1 in its phases, fading beside them.
+fn firmness(spans: &[Span], clip: &Clip) -> Vec<f64> {
+    let away = |i: usize| spans.iter().map(|s| s.first.saturating_sub(i).max(i.saturating_sub(s.last))).min();
+    let fade = FADE_S * clip.rate_hz;
+    let of_frame = |i: usize| away(i).map_or(0.0, |frames| 1.0 - smoothstep(frames as f64 / fade));
+    (0..clip.frames()).map(of_frame).collect()
 }
 
 /// World positions of the contact points in every frame, one path per point.
@@ -99,26 +140,21 @@ const ROOT_DOFS: usize = 6;
 /// The root follows its contacts below this frequency, Hz: above, the legs do.
 const ROOT_HZ: f64 = 2.0;
 
+/// Time beside a phase in which a point comes to count as it does in it, s.
+const FADE_S: f64 = 0.2;
 /// Frames on either side of a phase's end in which jerk is looked at, s.
 const NEAR_S: f64 = 0.1;
 
 /// What is left to see: slip and depth of the points, jerk near the phases' ends against the source.
 pub fn report(source: &[Path], result: &[Path], spans: &[Vec<Span>], rate_hz: f64) -> ContactReport {
     let mut out = ContactReport::default();
-    let near = (NEAR_S * rate_hz).ceil() as usize;
-    let (mut theirs, mut own) = (0.0f64, 0.0f64);
-    for ((before, after), spans) in source.iter().zip(result).zip(spans) {
+    for (after, spans) in result.iter().zip(spans) {
         out.penetration_m = after.iter().map(|p| -p.y).fold(out.penetration_m, f64::max);
         for s in spans {
             out.slip_m = out.slip_m.max(slip(&after[s.first..=s.last]));
-            for end in [s.first, s.last] {
-                let from = end.saturating_sub(near);
-                let to = (end + near).min(after.len() - 1);
-                theirs = theirs.max(peak_jerk(&before[from..=to]));
-                own = own.max(peak_jerk(&after[from..=to]));
-            }
         }
     }
+    let (theirs, own) = (peak(source, spans, rate_hz), peak(result, spans, rate_hz));
     out.jerk_ratio = if theirs > 0.0 { own / theirs } else { 0.0 };
     out
 }
@@ -129,7 +165,22 @@ fn slip(p: &[Vec3]) -> f64 {
     p.iter().map(|x| (x.x - mean.x).hypot(x.z - mean.z)).fold(0.0, f64::max)
 }
 
-/// Largest third difference, m.
-fn peak_jerk(p: &[Vec3]) -> f64 {
-    p.windows(4).map(|w| (w[3] - (w[2] - w[1]) * 3.0 - w[0]).norm()).fold(0.0, f64::max)
+/// Jerk of a corrected path over the motion's from which on it becomes softer, and phases give way: what is added by the pose
+/// that reaches for it stays below the rest of the way to 1.2.
+const ALLOWED: f64 = 1.1;
+
+/// Largest third difference near the ends of phases, m.
+fn peak(paths: &[Path], spans: &[Vec<Span>], rate_hz: f64) -> f64 {
+    let of_point = |(p, spans): (&Path, &Vec<Span>)| {
+        let ends = spans.iter().flat_map(|s| [s.first, s.last]);
+        ends.map(|end| peak_near(p, end, rate_hz)).fold(0.0, f64::max)
+    };
+    paths.iter().zip(spans).map(of_point).fold(0.0, f64::max)
+}
+
+/// Largest third difference near a phase's end, m.
+fn peak_near(p: &[Vec3], end: usize, rate_hz: f64) -> f64 {
+    let near = (NEAR_S * rate_hz).ceil() as usize;
+    let around = &p[end.saturating_sub(near)..=(end + near).min(p.len() - 1)];
+    around.windows(4).map(|w| (w[3] - (w[2] - w[1]) * 3.0 - w[0]).norm()).fold(0.0, f64::max)
 }

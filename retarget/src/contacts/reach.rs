@@ -11,10 +11,9 @@
 //! between the root and a contact point give way most easily; the root and all that it carries move where
 //! those cannot.
 //!
-//! The goals of one link need not fit it: while a heel rests, the ball that flies has a goal of its own. A point in a
-//! phase outweighs one in flight a thousandfold; where a flight ends its goal fits, with the rate and acceleration of
-//! rest, so that the change of its weight is not felt. A point without any phase has no goal. Every point is
-//! pushed out of the ground below −[`DEPTH_M`].
+//! The goals of one link fit it, but the legs need not reach them, and live they need not fit. So a point in a phase outweighs
+//! one in flight a thousandfold, and beside its phases the weight goes over from one to the other. A point without any phase
+//! has no goal. Every point is pushed out of the ground below −[`DEPTH_M`].
 
 use std::sync::Arc;
 
@@ -133,8 +132,8 @@ impl Reach {
 
     /// Writes the pose near `from` whose points are at their goals into `q`.
     ///
-    /// * `goal`: of each contact point, and whether it is in a phase
-    pub fn solve(&mut self, from: &[f64], goal: &dyn Fn(usize) -> (Vec3, bool), q: &mut [f64]) {
+    /// * `goal`: of each contact point, and how firmly it is held there: 1 in a phase, 0 in flight
+    pub fn solve(&mut self, from: &[f64], goal: &dyn Fn(usize) -> (Vec3, f64), q: &mut [f64]) {
         q.copy_from_slice(from);
         let n = self.weights.len();
         self.points.iter_mut().for_each(|p| p.pushed = false);
@@ -150,12 +149,12 @@ impl Reach {
             for i in 0..self.points.len() {
                 let p = &self.points[i];
                 let at = self.k.point(p.link, &p.at);
-                let (place, resting) = goal(p.contact);
+                let (place, firm) = goal(p.contact);
                 if p.everywhere {
-                    self.pull(i, &at, &(place - at), if resting { GOAL } else { FLIGHT });
+                    self.pull(i, &at, &(place - at), FLIGHT * (GOAL / FLIGHT).powf(firm));
                 }
                 // once pushed, always pushed: let go on the way it would swing between the two
-                self.points[i].pushed |= step >= SETTLE && at.y < -DEPTH_M && !resting;
+                self.points[i].pushed |= step >= SETTLE && at.y < -DEPTH_M && firm < 1.0;
                 if self.points[i].pushed {
                     self.lift(i, &at, -DEPTH_M - at.y);
                 }

@@ -142,3 +142,16 @@ pub fn held(name: &str, size: f64, legs: f64) -> Held {
     let (clip, report) = adjust(&puppet, &moved, &phases).unwrap();
     Held { human, puppet, clip, phases, report }
 }
+
+/// Moves the contact points of the left foot up by `by_m` (at rest).
+pub fn raise_left_sole(character: &mut Character, by_m: f64) {
+    let s = character.skeleton.clone();
+    let rest = Kinematics::new(&s, &character.rest);
+    let raised = s.sites().iter().cloned().map(|mut site| {
+        if site.name.starts_with("ball_l") || site.name.starts_with("heel_l") {
+            site.at += rest.world[site.link].rotation.inverse() * Vec3::new(0.0, by_m, 0.0);
+        }
+        site
+    });
+    character.skeleton = Arc::new(s.as_ref().clone().with_sites(raised.collect()).unwrap());
+}

@@ -7,9 +7,11 @@
 //! performance ─┐
 //! character   ─┼─→ Session ─→ run ─→ Retargeted ─→ Stage, files
 //! key poses   ─┘         └─→ guess, a first pose for a moment
+//! contacts (found by a run, edited by hand) ─→ options of the next run
 //! ```
 
 pub mod compare;
+pub mod contact_file;
 pub mod key_pose_file;
 pub mod report;
 pub mod study;
@@ -19,6 +21,7 @@ use std::sync::Arc;
 
 use motion::Clip;
 use motion::format::bvh::ImportOptions;
+use retarget::contacts::Phase;
 use retarget::{Mapping, Options, Performer, Puppet, RetargetError, Retargeted};
 
 use crate::character_file::{self, CharacterFile};
@@ -82,12 +85,24 @@ pub struct Performance {
 }
 
 impl Performance {
-    /// Opens a scene or a clip.
+    /// Opens a scene or a clip; the clip's body is guessed from its skeleton.
     ///
     /// # Errors
     /// Anything wrong with the file; a body that is not human.
     pub fn open(path: &Path, import: &ImportOptions) -> Result<Self, RetargetingError> {
-        let stage = stage::open(path, None, import)?;
+        Self::with_body(path, None, import)
+    }
+
+    /// As [`Performance::open`], of a clip with a character file as its body.
+    ///
+    /// # Errors
+    /// Likewise; a body that does not fit the clip, or is given to a scene.
+    pub fn with_body(
+        path: &Path,
+        body: Option<&Path>,
+        import: &ImportOptions,
+    ) -> Result<Self, RetargetingError> {
+        let stage = stage::open(path, body, import)?;
         let performer = Performer::new(stage.character.as_ref().clone()).map_err(|source| {
             RetargetingError::Retarget { path: path.display().to_string(), source: Box::new(source) }
         })?;
@@ -183,8 +198,19 @@ impl Session {
         key_poses: Option<&Path>,
         import: &ImportOptions,
     ) -> Result<Self, RetargetingError> {
+        Self::of(Performance::open(performance, import)?, character, key_poses)
+    }
+
+    /// As [`Session::open`], of a performance that is open already.
+    ///
+    /// # Errors
+    /// [`RetargetingError`].
+    pub fn of(
+        mut performance: Performance,
+        character: &Path,
+        key_poses: Option<&Path>,
+    ) -> Result<Self, RetargetingError> {
         let actor = Actor::open(character)?;
-        let mut performance = Performance::open(performance, import)?;
         performance.make_counterparts(&actor.puppet);
         let beside = actor.key_poses_beside();
         let path = match key_poses {
@@ -197,6 +223,14 @@ impl Session {
         };
         let key_poses = key_pose_file::read(path, &actor.puppet)?;
         Ok(Self { performance, actor, key_poses })
+    }
+
+    /// Contact phases of a file, see [`contact_file`].
+    ///
+    /// # Errors
+    /// Anything wrong with it.
+    pub fn contacts(&self, path: &Path) -> Result<Vec<Phase>, RetargetingError> {
+        Ok(contact_file::read(path, &self.actor.puppet, self.performance.clip.duration_s())?)
     }
 
     /// Learns the mapping.
