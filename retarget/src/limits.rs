@@ -6,6 +6,9 @@ use motion::{Joint, Skeleton, Vec3, rotation};
 /// Turns below this are rounding, rad.
 const ROUNDING: f64 = 1e-9;
 
+/// Step of differences, rad or m.
+const STEP: f64 = 1e-6;
+
 /// The way back to the limits of the joint of `link`: a rotation vector in its zero frame for a ball; in `.x` an angle or
 /// a length for hinges and slides. `None` where the joint is within them.
 pub(crate) fn way_back(skeleton: &Skeleton, q: &[f64], link: usize) -> Option<Vec3> {
@@ -22,6 +25,20 @@ pub(crate) fn way_back(skeleton: &Skeleton, q: &[f64], link: usize) -> Option<Ve
         }
         _ => None,
     }
+}
+
+/// Slopes of the length of the way back by the tangent of the joint of `link`, one for each of its degrees of freedom.
+///
+/// Of a ball by differences: its limits are clamped as a swing and a twist, which do not lie on the shortest way back.
+pub(crate) fn way_back_slopes(skeleton: &Skeleton, q: &[f64], link: usize) -> Vec<f64> {
+    let (from, count) = (skeleton.v_at(link), skeleton.links()[link].joint.nv());
+    let length = |dof: usize, step: f64| {
+        let (mut posed, mut v) = (q.to_vec(), vec![0.0; skeleton.nv()]);
+        v[from + dof] = step;
+        skeleton.integrate(&mut posed, &v, 1.0);
+        way_back(skeleton, &posed, link).map_or(0.0, |e| e.norm())
+    };
+    (0..count).map(|dof| (length(dof, STEP) - length(dof, -STEP)) / (2.0 * STEP)).collect()
 }
 
 #[cfg(test)]

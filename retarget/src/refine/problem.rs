@@ -16,7 +16,7 @@ use super::solids::{Solids, Touch};
 use super::{CONE_SHARE, GRAVITY, INDEPENDENT_S, LEAST_DEVIATION_M, REFERENCE_KG, SLIP_M};
 use crate::Puppet;
 use crate::axes::Axes;
-use crate::limits::way_back;
+use crate::limits::{way_back, way_back_slopes};
 use crate::options::{CONE, RefineDofs, RefineOptions};
 
 /// Cost of a joint's way beyond its limits, 1/rad².
@@ -377,13 +377,12 @@ impl<'a> Problem<'a> {
     /// Joints of a pose beyond their limits: each is put into `local.row`, its residual handed on.
     fn limits(&self, q: &[f64], local: &mut Local, mut put: impl FnMut(&mut Local, f64)) {
         let skeleton = &self.base.skeleton;
-        for (l, link) in skeleton.links().iter().enumerate() {
+        for l in 0..skeleton.links().len() {
             let Some(e) = way_back(skeleton, q, l) else { continue };
-            let direction = e.normalize();
             local.clear_row();
-            for a in 0..link.joint.nv() {
+            for (a, slope) in way_back_slopes(skeleton, q, l).into_iter().enumerate() {
                 if let Some(j) = self.moved[skeleton.v_at(l) + a] {
-                    local.row[j] = -LIMIT.sqrt() * direction[a];
+                    local.row[j] = LIMIT.sqrt() * slope;
                 }
             }
             put(local, LIMIT.sqrt() * e.norm());
