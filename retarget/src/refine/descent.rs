@@ -28,7 +28,8 @@ use crate::RetargetError;
 
 /// Share of a cost that is not worth a step.
 const ENOUGH: f64 = 3e-3;
-/// Share of what was predicted that a step has to gain: one that gains less has left what its equations know of.
+/// Share of what was predicted that a step has to gain: one that gains less has left what its equations know of, and is
+/// taken only if one with more damping gains less.
 const LEAST: f64 = 0.25;
 /// Damping to begin with.
 const BEGIN: f64 = 1e-2;
@@ -94,7 +95,7 @@ pub(super) fn descend(
         problem.linearise((&clip, &w), ground, normal, metric, &mut gradient);
         add_every(metric, every, normal);
         let enough = ENOUGH * cost.min(0.5 * frames as f64);
-        let (mut foreseen, mut beyond) = (0, 0.0);
+        let (mut foreseen, mut beyond, mut small) = (0, 0.0, None);
         let done = loop {
             let mut step: Vec<f64> = gradient.iter().map(|g| -g).collect();
             factor.clone_from(normal);
@@ -123,8 +124,20 @@ pub(super) fn descend(
                 break last;
             }
             let most = if ground == Ground::Chord { MOST[0] } else { MOST[1] };
-            if nothing || damping.now > most {
+            let last = nothing || damping.now > most;
+            // more damping gains no more: where balls touch, slopes are promises
+            let better = small.as_ref().is_none_or(|(_, _, least)| lower < *least);
+            if !better || (last && small.is_some()) {
+                (w, clip, cost) = small.expect("there is one");
+                damping.growth = Damping::new().growth;
+                (steps, idle) = (steps + 1, 0);
+                break false;
+            }
+            if last {
                 break true;
+            }
+            if lower < cost {
+                small = Some((tried, moved.clone(), lower));
             }
             if forces && foreseen < FORESEEN {
                 foreseen += 1;
