@@ -93,7 +93,7 @@ pub enum RefineDofs {
 }
 
 /// Weight of the friction cone, see [`RefineOptions::cone`].
-pub const CONE: f64 = 10.0;
+pub const CONE: f64 = 100.0;
 
 /// Options of the physics refinement.
 #[derive(Clone, Debug, PartialEq)]
@@ -120,7 +120,7 @@ pub struct RefineOptions {
     /// Poses (`nq` each) whose touches are meant, such as the key poses of a body that folds its arms: two links may
     /// be as deep in one another as in any of them. The pipeline adds those of the mapping.
     pub accepted: Vec<Vec<f64>>,
-    /// Most Gauss–Newton steps.
+    /// Most steps for each stretch of the clip, with each choice of what moves.
     pub iterations: usize,
 }
 
@@ -137,7 +137,7 @@ impl Default for RefineOptions {
             obstacles: Vec::new(),
             collisions: true,
             accepted: Vec::new(),
-            iterations: 40,
+            iterations: 30,
         }
     }
 }

@@ -12,7 +12,7 @@ use motion::{Clip, Smoothing};
 use scenes::retarget::contacts::{adjust, adjust_in_time, phases};
 use scenes::retarget::mapping::map_clip;
 use scenes::retarget::refine::refine;
-use scenes::retarget::{Live, Options, RefineDofs, global_transform, prepare, sway};
+use scenes::retarget::{Live, Options, RefineDofs, RefineOptions, global_transform, prepare, sway};
 use scenes::retargeting::Session;
 
 const RATE_HZ: f64 = 30.0;
@@ -36,6 +36,30 @@ impl Watch {
         match (self.1, Self::processor_s()) {
             (Some(a), Some(b)) => b - a,
             _ => self.0.elapsed().as_secs_f64(),
+        }
+    }
+}
+
+/// Most memory in use since a moment, where the system tells it (Linux).
+struct Memory(Option<f64>);
+
+impl Memory {
+    fn megabytes(field: &str) -> Option<f64> {
+        let text = std::fs::read_to_string("/proc/self/status").ok()?;
+        let line = text.lines().find_map(|l| l.strip_prefix(field))?;
+        Some(line.split_whitespace().next()?.parse::<f64>().ok()? / 1024.0)
+    }
+
+    fn start() -> Self {
+        // 5: the peak begins anew
+        let begun = std::fs::write("/proc/self/clear_refs", "5").is_ok();
+        Self(begun.then(|| Self::megabytes("VmRSS:")).flatten())
+    }
+
+    fn most(&self) -> String {
+        match (self.0, Self::megabytes("VmHWM:")) {
+            (Some(before), Some(most)) => format!("{:.1} MB", most - before),
+            _ => "memory not known".to_owned(),
         }
     }
 }
@@ -125,31 +149,31 @@ fn main() {
     }
     println!("all three: {whole:.1} s for {:.0} minutes of animation each", SECONDS / 60.0);
 
-    println!("\nrefinement of the lamp by length of the clip, s");
-    for (dofs, lengths) in [
-        (RefineDofs::RootHeight, &[10.0, 100.0, 1000.0][..]),
-        (RefineDofs::RootAndLegs, &[10.0, 100.0, 1000.0][..]),
-    ] {
-        let s = session("dance", "lamp");
+    println!("\nrefinement by length of the clip: processor time, memory above that of the clip before");
+    for character in ["lamp", "squirrel"] {
+        let s = session("dance", character);
         let (performer, puppet) = (&s.performance.performer, &s.actor.puppet);
         let mapping = s.learn(&options).unwrap();
-        for &seconds in lengths {
-            let human = long(seconds);
-            let (mapped, report) = map_clip(&mapping, performer, &human, puppet).unwrap();
-            let (moved, _) = global_transform(performer, &human, puppet, &mapped, &options.global);
-            let found = phases::find(performer, &human, puppet, &options.contact).unwrap();
-            let (held, _) = adjust(puppet, &moved, &found).unwrap();
-            // as many steps for every stretch
-            let refinement = scenes::retarget::RefineOptions {
-                dofs: dofs.clone(),
-                iterations: 4,
-                collisions: false,
-                ..options.refine.clone()
-            };
-            let watch = Watch::start();
-            refine(puppet, &held, &found, &report.variance, &refinement).unwrap();
-            let took = watch.seconds();
-            println!("{dofs:?}, {seconds:6} s: {took:7.3} s, {:.2} ms a second", 1e3 * took / seconds);
+        for dofs in [RefineDofs::RootHeight, RefineDofs::RootAndLegs] {
+            for seconds in [10.0, 100.0, 1000.0] {
+                let human = long(seconds);
+                let (mapped, report) = map_clip(&mapping, performer, &human, puppet).unwrap();
+                let (moved, _) = global_transform(performer, &human, puppet, &mapped, &options.global);
+                let found = phases::find(performer, &human, puppet, &options.contact).unwrap();
+                let found = phases::landing(puppet, &moved, &found).unwrap();
+                let (held, _) = adjust(puppet, &moved, &found).unwrap();
+                let mut refinement = RefineOptions { dofs: dofs.clone(), ..options.refine.clone() };
+                refinement.accepted.extend(mapping.poses.iter().cloned());
+                let memory = Memory::start();
+                let watch = Watch::start();
+                refine(puppet, &held, &found, &report.variance, &refinement).unwrap();
+                let took = watch.seconds();
+                println!(
+                    "{character:8} {dofs:?}, {seconds:6} s: {took:8.3} s, {:.1} ms a second; {}",
+                    1e3 * took / seconds,
+                    memory.most()
+                );
+            }
         }
     }
 }

@@ -34,7 +34,7 @@ fn fell(before: &[f64], after: &[f64]) -> f64 {
 #[test]
 fn contacts_hold_and_vertical_forces_match() {
     for character in ["lamp", "penguin", "squirrel"] {
-        for performance in ["anger", "dance", "disgust", "fear"] {
+        for performance in ["anger", "dance", "disgust", "fear", "16_21"] {
             let options = Options { rate_hz: Some(30.0), ..Options::default() };
             let done = run(&session(performance, character), &options);
             let (c, r) = (done.contact.unwrap(), done.refinement.unwrap());
@@ -42,7 +42,7 @@ fn contacts_hold_and_vertical_forces_match() {
             println!("{character} {performance}: {c:?}, vertical −{:.1} %", 100.0 * vertical);
             assert!(c.slip_m <= 1e-3, "{character} {performance}"); // 0.02 mm seen
             assert!(c.penetration_m <= 5e-3, "{character} {performance}"); // 0.1 mm seen
-            assert!(vertical >= 0.8, "{character} {performance}: {vertical}"); // 92 % seen
+            assert!(vertical >= 0.8, "{character} {performance}: {vertical}"); // 88 % seen of a captured walk, 95 % else
             assert!(r.root_median_m <= 0.02, "{character} {performance}"); // 1.5 mm seen
             assert!(r.slip_m <= 2e-3, "{character} {performance}: {}", r.slip_m);
         }
@@ -86,7 +86,8 @@ fn steps_do_not_jump() {
 /// With root and legs (a lamp's arm is its leg) all six components match, and forces stay inside the friction cone.
 #[test]
 fn root_and_legs_match_all_six_components() {
-    for (character, performance) in [("lamp", "fear"), ("penguin", "disgust"), ("squirrel", "fear")] {
+    let pairs = [("lamp", "fear"), ("lamp", "16_21"), ("penguin", "fear"), ("squirrel", "fear")];
+    for (character, performance) in pairs {
         let mut options = Options { rate_hz: Some(30.0), ..Options::default() };
         options.refine.dofs = RefineDofs::RootAndLegs;
         let done = run(&session(performance, character), &options);
@@ -98,12 +99,11 @@ fn root_and_legs_match_all_six_components() {
             r.cone_before,
             r.cone_after
         );
+        // 98 % seen; 97 % and 15 mm of a walk on the lamp, which hops
         assert!(all >= 0.8, "{character} {performance}: {all}");
         assert!(r.root_median_m <= 0.02 && r.slip_m <= 2e-3, "{character} {performance}");
-        if character != "squirrel" {
-            // 14 → 1 (lamp), 0 → 0 seen
-            assert!(r.cone_after.len() <= 1, "{character} {performance}: {:?}", r.cone_after);
-        }
+        // 3 to 9 before
+        assert!(r.cone_after.is_empty(), "{character} {performance}: {:?}", r.cone_after);
     }
 }
 

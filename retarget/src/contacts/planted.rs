@@ -180,7 +180,6 @@ impl<'a> Planted<'a> {
     fn settle(&mut self) -> Vec<Path> {
         let (frames, dofs) = (self.shift.len(), self.dofs);
         let mut normal = Band::zeros(frames, dofs, JOINED - 1);
-        let mut factor = Band::zeros(frames, dofs, JOINED - 1);
         let mut step = vec![0.0; frames * dofs];
         let mut points = self.points();
         for _ in 0..STEPS {
@@ -189,7 +188,7 @@ impl<'a> Planted<'a> {
             for i in 0..frames {
                 self.frame(i, &points).add_to(i, &mut normal, &mut step);
             }
-            if normal.solve(0.0, &mut factor, &mut step).is_err() {
+            if normal.solve(&mut step).is_err() {
                 break;
             }
             let largest = |of: &dyn Fn(usize) -> bool| {
@@ -324,10 +323,11 @@ impl Terms {
     fn add_to(&self, first: usize, normal: &mut Band, right: &mut [f64]) {
         let (d, n) = (self.dofs, self.frames * self.dofs);
         right[first * d..].iter_mut().zip(&self.right[..n]).for_each(|(b, x)| *b += x);
-        for (j, column) in self.columns[..n].iter().enumerate() {
-            for a in j / d..self.frames {
-                let into = normal.column_mut(first + a, first * d + j);
-                into.iter_mut().zip(&column[a * d..]).for_each(|(n, x)| *n += x);
+        for (b, columns) in self.columns[..n].chunks_exact(d).enumerate() {
+            for a in b..self.frames {
+                for (into, column) in normal.block_mut(first + a, first + b).zip(columns) {
+                    into.iter_mut().zip(&column[a * d..]).for_each(|(n, x)| *n += x);
+                }
             }
         }
     }

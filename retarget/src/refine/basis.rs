@@ -17,6 +17,9 @@ use motion::{Clip, Derivatives, Joint, Link, Skeleton, Vec3};
 
 /// Reach of a function in spacings.
 pub const REACH: usize = 8;
+/// Spacings within which a function counts in the normal equations of a frame. Beyond, it is below exp(−9) = 1.2e-4; the equations
+/// guide steps, of which cost and gradient are complete.
+pub const NEAR: usize = 6;
 /// Functions beyond each end of the motion, so that its ends can be moved as freely as its middle.
 const OUTSIDE: usize = 2;
 
@@ -34,6 +37,16 @@ pub struct Active {
     pub first: usize,
     /// φ, φ̇ (1/s), φ̈ (1/s²).
     pub phi: Vec<[f64; 3]>,
+}
+
+impl Active {
+    /// Those of [`NEAR`], as indices into `phi`.
+    pub fn near(&self) -> Range<usize> {
+        let least = (-0.25 * (NEAR * NEAR) as f64).exp();
+        let is = |phi: &[f64; 3]| phi[0] >= least;
+        let first = self.phi.iter().position(is).unwrap_or(self.phi.len());
+        first..first + self.phi[first..].iter().take_while(|p| is(p)).count()
+    }
 }
 
 impl Basis {
@@ -152,6 +165,8 @@ mod tests {
             assert!((sum(&active, 1) - d.v[k]).abs() < 1e-4, "{k}");
             assert!((sum(&active, 2) - d.vd[k]).abs() < 1e-2, "{k}");
         }
+        b.at(1.52, &all, &mut active);
+        assert_eq!((active.phi.len(), active.near()), (16, 2..14));
         b.at(1.5, &all, &mut active);
         assert_eq!(active.phi.len(), 17);
     }

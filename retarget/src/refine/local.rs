@@ -73,10 +73,14 @@ impl Local {
         let (q, g) = (&self.q, &self.gradient);
         let half = &mut self.half;
         for (l, phi) in active.phi.iter().enumerate() {
-            let at = (first + l) * d;
-            for j in 0..d {
-                gradient[at + j] += (0..orders).map(|a| phi[a] * g[a * d + j]).sum::<f64>();
+            let to = &mut gradient[(first + l) * d..(first + l + 1) * d];
+            for (j, to) in to.iter_mut().enumerate() {
+                *to += (0..orders).map(|a| phi[a] * g[a * d + j]).sum::<f64>();
             }
+        }
+        let near = active.near();
+        for l in near.clone() {
+            let phi = &active.phi[l];
             // this function's columns of Q Φ, one after the other: Q is symmetric
             for j in 0..d {
                 let column = &mut half[j * n..j * n + orders * d];
@@ -86,10 +90,9 @@ impl Local {
                     column.iter_mut().zip(row).for_each(|(h, q)| *h += x * q);
                 }
             }
-            for (i, other) in active.phi.iter().enumerate().skip(l) {
-                for j in 0..d {
-                    let to = normal.column_mut(first + i, at + j);
-                    let h = &half[j * n..(j + 1) * n];
+            for i in l..near.end {
+                let other = &active.phi[i];
+                for (to, h) in normal.block_mut(first + i, first + l).zip(half.chunks_exact(n)) {
                     if rates {
                         let (pose, rest) = h.split_at(d);
                         let (rate, bend) = rest.split_at(d);

@@ -11,7 +11,9 @@
 //! ```
 //!
 //! - *Z_p*: see [`physics`]. Forces count as those of a body of [`REFERENCE_KG`], so that k₁ means the same for a lamp
-//!   and a man; ℓ is the radius of gyration about X in the rest pose.
+//!   and a man; ℓ is the radius of gyration about X in the rest pose. Where only the root's height moves, what is not the
+//!   vertical force counts 0.6 of a newton each: of a body whose weight is not over its feet the moment can then only be
+//!   lowered by carrying half of its weight, which is what the least sum of squares does.
 //! - *Z_c*: the required force outside the cone of μ' = [`CONE_SHARE`] μ. Z_p knows of the cone only what its friction can
 //!   give: a force that is far outside is missed by nearly as much whether its vertical part is there or not, and where a
 //!   flight is made steeper the frames next to it lose weight on their feet before they lose their horizontal force.
@@ -24,10 +26,10 @@
 //! - *Slip* of points in a phase from their place, half a cost at [`SLIP_M`]; *limits* of joints; *collisions* of
 //!   the body with itself, the ground and the scene ([`solids`]).
 //!
-//! *Solution.* Levenberg–Marquardt. Two functions act together only within 16 spacings: with the unknowns in the order
-//! of time the normal equations are banded; long clips are solved a stretch at a time (`windows`), so that cost grows
-//! linearly with length. Rates and accelerations of the displaced clip are central differences, as anyone who reads the clip
-//! will take them. (Steps on a softer ground first, which is felt from farther above, led to other minima, not lower ones.)
+//! *Solution.* Levenberg–Marquardt (`descent`). Two functions act together only within 16 spacings, and hardly beyond 12: with
+//! the unknowns in the order of time the normal equations are banded; long clips are solved a stretch at a time (`windows`), so
+//! that cost grows linearly with length. Rates and accelerations of the displaced clip are central differences, as anyone who
+//! reads the clip will take them.
 //!
 //! *Collisions first.* Where bodies penetrate, the joints between the two are moved by a pass of its own, without
 //! forces; which degrees of freedom the physics may move is then still free.
@@ -36,6 +38,7 @@
 
 pub mod band;
 pub mod basis;
+mod descent;
 mod local;
 pub mod physics;
 mod problem;
@@ -127,7 +130,9 @@ pub fn refine(
                 ..options.clone()
             };
             let setting = Setting { options: &wide, ..setting };
-            iterations += windows::solve(setting, &mut out, &dofs, false, &|s| giving(s.counted.clone()))?;
+            // what gives way in the whole clip: legs that stand never do where arms can anywhere
+            let moving = |s: Range<usize>| giving(s).into_iter().filter(|d| dofs.contains(d)).collect();
+            iterations += windows::solve(setting, &mut out, &dofs, false, &|s| moving(s.counted.clone()))?;
         }
     }
     // the root's height alone can do nothing about a hand in a hip

@@ -12,6 +12,11 @@
 //! δp = c_k(p)    δṗ = a_k × Σ_{j outboard} c_j(p) v_j + (Σ_{j not outboard} a_j v_j) × c_k(p)
 //! ```
 //!
+//! *The ground made linear* ([`Ground`]). A point above the ground feels almost nothing of it, and one that only touches
+//! feels half of its stiffness: a step by the tangent goes nowhere or twice too deep. The chord goes through the force now
+//! and the one wanted, a point's share of what the ground gives too little or too much, at the height where the law gives
+//! that ([`Penalty::rest_height`]).
+//!
 //! *Displaced poses.* The refinement adds δ(t) in the tangent of the pose, so a rate is `v + δ̇ + δ × v` and an
 //! acceleration `v̇ + δ̈ + 2… `: to first order, for three axes that turn together,
 //! `ω' = ω + δ̇ + δ × ω`, `ω̇' = ω̇ + δ̈ + δ̇ × ω + δ × ω̇`. The slopes given are those by δ, δ̇ and δ̈.
@@ -51,6 +56,18 @@ pub struct Slopes {
     pub by: [DMatrix<f64>; 3],
 }
 
+/// How the law of the ground is made linear. See the module header.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Ground {
+    /// By its slope.
+    Tangent,
+    /// By the chord to the force that is wanted.
+    Chord,
+}
+
+/// Points below this height take part in carrying a body of which none is in a phase, m.
+const NEAR_M: f64 = 0.03;
+
 /// Evaluates forces, with their memory. See the module header.
 pub struct Physics {
     model: Model,
@@ -63,6 +80,7 @@ pub struct Physics {
     /// First and one past the last degree of freedom of the rotation each turning one belongs to.
     group: Vec<(usize, usize)>,
     tau: Vec<f64>,
+    stiffness: Vec<f64>,
 }
 
 /// Where the points are anchored in one frame: `[x, z]`, or nothing outside a phase.
@@ -100,6 +118,7 @@ impl Physics {
             axes: Axes::new(&c.skeleton),
             group,
             tau: vec![0.0; c.skeleton.nv()],
+            stiffness: vec![0.0; puppet.contacts.len()],
             model,
         }
     }
@@ -138,8 +157,29 @@ impl Physics {
         self.axes.chain[link].iter().map(|&j| self.axes.all[j].column(p) * v[j]).sum()
     }
 
-    /// Slopes at the frame given last to [`Physics::forces`] (same arguments).
-    pub fn slopes(&mut self, v: &[f64], vd: &[f64], anchors: Anchors, out: &mut Slopes) {
+    /// Stiffness of the ground under each point as [`Physics::slopes`] took it last, N/m.
+    pub fn stiffness(&self) -> &[f64] {
+        &self.stiffness
+    }
+
+    /// Slope of a point's normal force by its height, by the chord to a force that is `more` (N) larger; never steeper than
+    /// the ground is (of a force that damping has a part in, the height says little).
+    fn chord(&self, z: f64, normal: f64, more: f64) -> Option<f64> {
+        let wanted = (normal + more).max(0.5 * self.penalty.f_0);
+        let (rise, way) = (wanted - normal, self.penalty.rest_height(wanted) - z);
+        (rise.abs() > 0.01 * self.penalty.f_0 && way * rise < 0.0)
+            .then(|| (rise / way).max(-self.penalty.k_p))
+    }
+
+    /// Slopes at the frame given last to [`Physics::forces`] (same arguments, which gave `forces`).
+    pub fn slopes(
+        &mut self,
+        v: &[f64],
+        vd: &[f64],
+        anchors: Anchors,
+        (forces, ground): (&Forces, Ground),
+        out: &mut Slopes,
+    ) {
         let nv = v.len();
         self.derivatives.update(&self.model, &self.state, v, vd, &[]);
         let d = &self.derivatives;
@@ -149,12 +189,24 @@ impl Physics {
         }
         let zero = self.model.skeleton.links()[0].parent_from_zero.rotation.inverse();
         let origin = self.k.origin(0);
-        for (point, anchor) in self.points.iter().zip(anchors) {
+        let at = |p: &Point| self.k.point(p.link, &p.at);
+        let stands = anchors.iter().any(Option::is_some);
+        let carries = |i: usize| if stands { anchors[i].is_some() } else { at(&self.points[i]).y < NEAR_M };
+        let carriers: Vec<bool> = (0..self.points.len()).map(carries).collect();
+        let more = (forces.required.y - forces.given.y) / carriers.iter().filter(|c| **c).count() as f64;
+        for (i, (point, anchor)) in self.points.iter().zip(anchors).enumerate() {
             let chain = &self.axes.chain[point.link];
-            let p = self.k.point(point.link, &point.at);
+            let p = at(point);
             let rate = self.rate(point.link, &p, v);
             let slip = anchor.map_or([0.0; 2], |a| [p.x - a[0], p.z - a[1]]);
-            let f = self.penalty.force_gradient(p.y, rate.y, slip, [rate.x, rate.z]);
+            let mut f = self.penalty.force_gradient(p.y, rate.y, slip, [rate.x, rate.z]);
+            if ground == Ground::Chord && carriers[i] && f.d_z.y < 0.0 {
+                // friction follows the normal force
+                if let Some(slope) = self.chord(p.y, f.force.y, more) {
+                    f.d_z *= slope / f.d_z.y;
+                }
+            }
+            self.stiffness[i] = -f.d_z.y;
             if f.force == Vec3::zeros() && f.d_z == Vec3::zeros() {
                 continue;
             }

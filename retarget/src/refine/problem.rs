@@ -11,23 +11,22 @@ use motion::{Clip, Derivatives, Kinematics, Vec3};
 use super::band::Band;
 use super::basis::{Active, Basis, Stencils};
 use super::local::Local;
-use super::physics::{Forces, Physics, Slopes};
+use super::physics::{Forces, Ground, Physics, Slopes};
 use super::solids::{Solids, Touch};
 use super::{CONE_SHARE, GRAVITY, INDEPENDENT_S, LEAST_DEVIATION_M, REFERENCE_KG, SLIP_M};
+use crate::Puppet;
 use crate::axes::Axes;
 use crate::limits::way_back;
 use crate::options::{CONE, RefineDofs, RefineOptions};
-use crate::{Puppet, RetargetError};
 
 /// Cost of a joint's way beyond its limits, 1/rad².
 const LIMIT: f64 = 1e4;
 /// Cost of a penetration, 1/m²: half at 1 mm.
 const TOUCH: f64 = 1e6;
-/// A step that lowers the cost by less than this share is the last, unless damping held it back.
-const ENOUGH: f64 = 1e-3;
-
-/// Damping that does not hold a step back.
-const FREE: f64 = 1e-3;
+/// Weight of what is not vertical where only the root's height moves, as a share of a newton's.
+const BESIDE: f64 = 0.6;
+/// Least stiffness of the ground under a point in the metric of steps, as a share of the ground's own.
+const LEAST_STIFFNESS: f64 = 0.05;
 
 /// What a problem is stated with.
 #[derive(Clone, Copy)]
@@ -94,7 +93,10 @@ impl<'a> Problem<'a> {
         let mut moved = vec![None; s.nv()];
         dofs.iter().enumerate().for_each(|(i, &d)| moved[d] = Some(i));
         let unit = setting.options.k1.sqrt() * REFERENCE_KG / puppet.character.mass();
-        let weights = std::array::from_fn(|i| if i < 3 { unit } else { unit / setting.length_m });
+        let alone = setting.options.dofs == RefineDofs::RootHeight;
+        let beside = if alone { BESIDE * unit } else { unit };
+        let around = beside / setting.length_m;
+        let weights = [beside, unit, beside, around, around, around];
         let Range { start, end } = stretch.frames;
         let base = Clip::new(s.clone(), rate, whole.data()[start * nq..end * nq].to_vec());
         let stencils = Stencils::new(base.frames(), rate);
@@ -137,50 +139,8 @@ impl<'a> Problem<'a> {
         }
     }
 
-    /// The weights of the stretch that cost least, and the steps taken.
-    pub fn solve(&mut self, scratch: &mut [Band; 2]) -> Result<(Vec<f64>, usize), RetargetError> {
-        let n = self.stretch.functions.len() * self.dofs.len();
-        let [normal, factor] = scratch;
-        normal.reset(self.stretch.functions.len(), self.dofs.len(), 2 * super::basis::REACH);
-        let (mut w, mut gradient) = (self.begin.clone(), vec![0.0; n]);
-        let mut clip = self.displaced(&w);
-        let mut cost = self.cost(&clip, &w);
-        let (mut damping, mut steps) = (1e-6, 0);
-        while steps < self.setting.options.iterations {
-            self.linearise(&clip, &w, normal, &mut gradient);
-            loop {
-                let mut step: Vec<f64> = gradient.iter().map(|g| -g).collect();
-                // overlapping functions are nearly dependent: rounding may need more damping
-                if let Err(row) = normal.solve(damping, factor, &mut step) {
-                    damping *= 10.0;
-                    if damping > 1e6 {
-                        return Err(RetargetError::Singular { row });
-                    }
-                    continue;
-                }
-                let tried: Vec<f64> = w.iter().zip(&step).map(|(a, b)| a + b).collect();
-                let moved = self.displaced(&tried);
-                let lower = self.cost(&moved, &tried);
-                if lower < cost {
-                    let last = cost - lower < ENOUGH * cost && damping < FREE;
-                    (w, clip, cost) = (tried, moved, lower);
-                    damping = (damping * 0.1).max(1e-9);
-                    steps += 1;
-                    if last {
-                        return Ok((w, steps));
-                    }
-                    break;
-                }
-                damping *= 10.0;
-                if damping > 1e6 {
-                    return Ok((w, steps));
-                }
-            }
-        }
-        Ok((w, steps))
-    }
-
-    fn displaced(&self, w: &[f64]) -> Clip {
+    /// The stretch moved by the functions that it solves for and those settled.
+    pub(super) fn displaced(&self, w: &[f64]) -> Clip {
         let mut out = self.base.clone();
         let (skeleton, d) = (self.base.skeleton.clone(), self.dofs.len());
         let first = self.stretch.functions.start;
@@ -196,6 +156,21 @@ impl<'a> Problem<'a> {
             skeleton.integrate(out.pose_mut(i), &v, 1.0);
         }
         out
+    }
+
+    /// Functions, degrees of freedom of each, frames whose cost counts.
+    pub(super) fn shape(&self) -> (usize, usize, usize) {
+        (self.stretch.functions.len(), self.dofs.len(), self.stretch.counted.len())
+    }
+
+    /// Weights to begin with.
+    pub(super) fn begin(&self) -> Vec<f64> {
+        self.begin.clone()
+    }
+
+    /// Whether forces count.
+    pub(super) fn has_forces(&self) -> bool {
+        self.force.is_some()
     }
 
     /// Frames whose cost counts, in the stretch and in the whole clip.
@@ -218,7 +193,7 @@ impl<'a> Problem<'a> {
     /// Weight of a newton beyond the cone.
     fn cone_weight(&self, weights: &[f64; 6]) -> f64 {
         let alone = if self.setting.options.dofs == RefineDofs::RootHeight { 1.0 } else { CONE };
-        weights[0] * self.setting.options.cone.unwrap_or(alone).sqrt()
+        weights[1] * self.setting.options.cone.unwrap_or(alone).sqrt()
     }
 
     /// Weight of a point's squared way in a frame: k₂ dt/(τ n σ²).
@@ -228,7 +203,8 @@ impl<'a> Problem<'a> {
         self.setting.options.k2 / (variance * n * INDEPENDENT_S * self.base.rate_hz)
     }
 
-    fn cost(&mut self, clip: &Clip, w: &[f64]) -> f64 {
+    /// What a clip that is displaced by `w` costs.
+    pub(super) fn cost(&mut self, clip: &Clip, w: &[f64]) -> f64 {
         let d = Derivatives::central(clip);
         let nv = clip.skeleton.nv();
         let mut sum = 0.5 * w.iter().map(|x| x * x).sum::<f64>();
@@ -286,17 +262,26 @@ impl<'a> Problem<'a> {
         })
     }
 
-    /// Normal matrix and gradient at a clip that is displaced by `w`.
-    fn linearise(&mut self, clip: &Clip, w: &[f64], normal: &mut Band, gradient: &mut [f64]) {
+    /// Normal matrix and gradient at a clip that is displaced by `w`; the metric of steps, where there are forces: with
+    /// J of the contact points, `Σ_frames Σ_points (unit · stiffness)² JᵀJ`.
+    pub(super) fn linearise(
+        &mut self,
+        (clip, w): (&Clip, &[f64]),
+        ground: Ground,
+        normal: &mut Band,
+        metric: &mut Band,
+        gradient: &mut [f64],
+    ) {
         let derivatives = Derivatives::central(clip);
         let (nv, d) = (clip.skeleton.nv(), self.dofs.len());
         normal.fill(0.0);
+        metric.fill(0.0);
         for i in 0..normal.len() {
             *normal.at(i, i) = 1.0;
         }
         gradient.copy_from_slice(w);
         let mut slopes = Slopes::new(nv);
-        let mut local = Local::new(d);
+        let (mut local, mut stiff, mut none) = (Local::new(d), Local::new(d), vec![0.0; gradient.len()]);
         let down = self.base.skeleton.links()[0].parent_from_zero.rotation.inverse();
         for (i, frame) in self.counted() {
             let (q, at) = (clip.pose(i), i * nv..(i + 1) * nv);
@@ -305,7 +290,7 @@ impl<'a> Problem<'a> {
             if let Some(weights) = self.force {
                 let anchors = &self.setting.anchors[frame];
                 let f = self.physics.forces(q, v, vd, anchors);
-                self.physics.slopes(v, vd, anchors, &mut slopes);
+                self.physics.slopes(v, vd, anchors, (&f, ground), &mut slopes);
                 for c in 0..6 {
                     for (order, by) in slopes.by.iter().enumerate() {
                         for (j, &dof) in self.dofs.iter().enumerate() {
@@ -329,6 +314,24 @@ impl<'a> Problem<'a> {
             let active = &self.active[i];
             let first = active.first - self.stretch.functions.start;
             local.carry(active, first, normal, gradient, self.force.is_some());
+            if let Some(weights) = self.force {
+                stiff.clear();
+                self.stiffness(weights[1], &mut stiff);
+                stiff.carry(active, first, metric, &mut none, false);
+            }
+        }
+    }
+
+    /// Metric of one frame: how far the forces of the ground change with the contact points.
+    fn stiffness(&self, unit: f64, local: &mut Local) {
+        let puppet = self.setting.puppet;
+        let sites = puppet.character.skeleton.sites();
+        let least = LEAST_STIFFNESS * self.setting.penalty.k_p;
+        for (c, stiffness) in puppet.contacts.iter().zip(self.physics.stiffness()) {
+            let site = &sites[c.site];
+            let p = self.k.point(site.link, &site.at);
+            let weight = (unit * stiffness.max(least)).powi(2);
+            self.point(site.link, &p, &Vec3::zeros(), weight, local);
         }
     }
 
@@ -349,17 +352,7 @@ impl<'a> Problem<'a> {
                 self.along(link, &at, &axis, error, 1.0 / self.slip_m(), local);
             }
         }
-        for (l, link) in clip.skeleton.links().iter().enumerate() {
-            let Some(e) = way_back(&clip.skeleton, q, l) else { continue };
-            let direction = e.normalize();
-            local.clear_row();
-            for a in 0..link.joint.nv() {
-                if let Some(j) = self.moved[clip.skeleton.v_at(l) + a] {
-                    local.row[j] = -LIMIT.sqrt() * direction[a];
-                }
-            }
-            local.add_row(LIMIT.sqrt() * e.norm(), self.dofs.len());
-        }
+        self.limits(q, local, |local, r| local.add_row(r, local.d));
         if let Some(solids) = self.setting.solids {
             let mut touches = Vec::new();
             solids.touches(&self.k, &mut touches);
@@ -379,6 +372,54 @@ impl<'a> Problem<'a> {
                 local.add_row(TOUCH.sqrt() * t.depth_m, self.dofs.len());
             }
         }
+    }
+
+    /// Joints of a pose beyond their limits: each is put into `local.row`, its residual handed on.
+    fn limits(&self, q: &[f64], local: &mut Local, mut put: impl FnMut(&mut Local, f64)) {
+        let skeleton = &self.base.skeleton;
+        for (l, link) in skeleton.links().iter().enumerate() {
+            let Some(e) = way_back(skeleton, q, l) else { continue };
+            let direction = e.normalize();
+            local.clear_row();
+            for a in 0..link.joint.nv() {
+                if let Some(j) = self.moved[skeleton.v_at(l) + a] {
+                    local.row[j] = -LIMIT.sqrt() * direction[a];
+                }
+            }
+            put(local, LIMIT.sqrt() * e.norm());
+        }
+    }
+
+    /// Adds limits that a step ran beyond to the normal equations it was made of, as if they had been met already; returns
+    /// what they add to the cost before the step, 0 if there are none.
+    ///
+    /// A limit with residual `r` and slope J after a step Δ had `r − JΔ` before it: if that is not positive, the step knew
+    /// nothing of it. (Foreseeing touches in the same way gained nothing: a ball pushes another way after every step.)
+    pub(super) fn foresee(&self, moved: &Clip, step: &[f64], normal: &mut Band, gradient: &mut [f64]) -> f64 {
+        let d = self.dofs.len();
+        let (mut local, mut way, mut cost) = (Local::new(d), vec![0.0; d], 0.0);
+        for (i, _) in self.counted() {
+            let active = &self.active[i];
+            let first = active.first - self.stretch.functions.start;
+            for (j, x) in way.iter_mut().enumerate() {
+                let terms = active.phi.iter().enumerate();
+                *x = terms.map(|(l, phi)| phi[0] * step[(first + l) * d + j]).sum();
+            }
+            local.clear();
+            let mut found = false;
+            self.limits(moved.pose(i), &mut local, |local, r| {
+                let before = r - local.row.iter().zip(&way).map(|(j, x)| j * x).sum::<f64>();
+                if before <= 0.0 {
+                    local.add_row(before, d);
+                    cost += 0.5 * before * before;
+                    found = true;
+                }
+            });
+            if found {
+                local.carry(active, first, normal, gradient, false);
+            }
+        }
+        cost
     }
 
     /// ½ weight |error|² of a point.

@@ -154,21 +154,32 @@ impl Solids {
     fn between(&self, placed: &Placed, (a, b, free_m): (usize, usize, f64), out: &mut Vec<Touch>) {
         let (first, second) = (&self.links[a], &self.links[b]);
         let reach = first.bound.radius + second.bound.radius - free_m;
-        if reach <= 0.0 || (placed.bounds[a] - placed.bounds[b]).norm_squared() >= reach * reach {
+        if apart(&placed.bounds[a], &placed.bounds[b], reach) {
             return;
         }
         for (p, at) in first.balls.iter().zip(&placed.balls[a]) {
+            if apart(at, &placed.bounds[b], p.radius + second.bound.radius - free_m) {
+                continue;
+            }
             for (q, other) in second.balls.iter().zip(&placed.balls[b]) {
-                let apart = at - other;
-                let depth_m = p.radius + q.radius - apart.norm() - free_m;
-                if depth_m > 0.0 && apart.norm() > 1e-9 {
-                    let out_of = apart.normalize();
+                let reach = p.radius + q.radius - free_m;
+                if apart(at, other, reach) {
+                    continue;
+                }
+                let way = at - other;
+                let depth_m = reach - way.norm();
+                if depth_m > 0.0 && way.norm() > 1e-9 {
                     let second = Some((second.link, *other));
-                    out.push(Touch { first: (first.link, *at), second, out: out_of, depth_m });
+                    out.push(Touch { first: (first.link, *at), second, out: way.normalize(), depth_m });
                 }
             }
         }
     }
+}
+
+/// Whether two points are at least `reach` from one another.
+fn apart(a: &Vec3, b: &Vec3, reach: f64) -> bool {
+    reach <= 0.0 || (a - b).norm_squared() >= reach * reach
 }
 
 impl Part {

@@ -8,8 +8,8 @@
 
 use motion::Clip;
 
-use super::band::Band;
 use super::basis::{Active, Basis, REACH};
+use super::descent::{Scratch, descend};
 use super::problem::{Problem, Setting, Stretch};
 use crate::RetargetError;
 
@@ -33,7 +33,7 @@ pub(super) fn solve(
     let functions = |seconds: f64| (seconds / setting.options.spacing_s).ceil() as usize;
     let (length, overlap) = (functions(LENGTH_S).max(1), functions(OVERLAP_S).max(REACH));
     let mut w = vec![0.0; basis.len() * d];
-    let mut scratch = [Band::default(), Band::default()];
+    let mut scratch = Scratch::default();
     let (mut from, mut steps) = (0, 0);
     while from < basis.len() {
         let rest = basis.len() - from;
@@ -44,7 +44,7 @@ pub(super) fn solve(
             let columns: Vec<usize> =
                 moving.iter().map(|m| dofs.iter().position(|d| d == m).expect("one of all")).collect();
             let mut problem = Problem::new(setting, clip, stretch, (&basis, &w), (dofs, moving), forces);
-            let (found, taken) = problem.solve(&mut scratch)?;
+            let (found, taken) = descend(&mut problem, setting.options.iterations, &mut scratch)?;
             for (function, row) in found.chunks_exact(columns.len()).enumerate() {
                 columns.iter().zip(row).for_each(|(c, x)| w[(from + function) * d + c] = *x);
             }
