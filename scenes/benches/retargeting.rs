@@ -9,7 +9,7 @@ use std::time::Instant;
 
 use motion::format::bvh::ImportOptions;
 use motion::{Clip, Smoothing};
-use scenes::retarget::contacts::{adjust, phases};
+use scenes::retarget::contacts::{adjust, adjust_in_time, phases};
 use scenes::retarget::mapping::map_clip;
 use scenes::retarget::refine::refine;
 use scenes::retarget::{Live, Options, RefineDofs, RefineOptions, global_transform, prepare, sway};
@@ -118,7 +118,7 @@ fn main() {
         stage(&mut times);
         let found = phases::find(performer, &human, puppet, &options.contact).unwrap();
         let found = phases::landing(puppet, &moved, &found).unwrap();
-        let (held, _) = adjust(puppet, &moved, &found).unwrap();
+        let (found, held, _) = adjust_in_time(puppet, &moved, &found, &options.contact).unwrap();
         stage(&mut times);
         let (swung, _) = sway(puppet, &held);
         stage(&mut times);
