@@ -47,9 +47,12 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         _ => all.iter().map(|&x| x.to_owned()).collect::<Vec<String>>(),
     };
     let every: Vec<&str> = PERFORMANCES.into_iter().chain(CLIPS).collect();
-    println!("lengths in mm; jerk over that of the mapped motion; Z_p fell by %; frames outside the cone");
+    println!("lengths in mm; jerk over that of the mapped motion; Z_p fell by %; frames outside the cone;");
     println!(
-        "                                 | slip depth jerk |   Fx   Fy   Fz   Nx   Ny   Nz |   all | root: median, most; slip | cone | steps | s"
+        "left: RMS mismatch of each component that is left, % of body weight (moments over the radius of gyration)"
+    );
+    println!(
+        "                                 | slip depth jerk |   Fx   Fy   Fz   Nx   Ny   Nz |   all | left                    | root: median, most; slip | cone | steps | s"
     );
     for character in of(1, &CHARACTERS) {
         for performance in of(2, &every) {
@@ -80,10 +83,14 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
             let share = |i: usize| 100.0 * (1.0 - r.after[i] / r.before[i].max(1e-12));
             let sum = |x: &[f64; 6]| x.iter().sum::<f64>();
             let each: Vec<String> = (0..6).map(|i| format!("{:4.0}", share(i))).collect();
+            let weight = session.actor.puppet.character.mass() * scenes::retarget::refine::GRAVITY;
+            let frames = done.clip.frames() as f64;
+            let left = r.after.map(|z| format!("{:3.1}", 100.0 * (2.0 * z / frames).sqrt() / weight));
             println!(
-                "{} | {:5.1} | {:5.1} {:5.1} {:.2} | {:2} → {:2} | {:2} | {seconds:.1}",
+                "{} | {:5.1} | {} | {:5.1} {:5.1} {:.2} | {:2} → {:2} | {:2} | {seconds:.1}",
                 each.join(" "),
                 100.0 * (1.0 - sum(&r.after) / sum(&r.before)),
+                left.join(" "),
                 1e3 * r.root_median_m,
                 1e3 * r.root_largest_m,
                 1e3 * r.slip_m,
