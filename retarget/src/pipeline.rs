@@ -87,8 +87,8 @@ pub fn run_with(
     Ok(out)
 }
 
-/// A mapped motion as a body moves, within its limits.
-fn smoothed(clip: Clip, smoothing: Smoothing) -> Clip {
+/// A mapped motion as a body moves, within its limits ([`Options::mapped`]).
+pub fn smoothed(clip: Clip, smoothing: Smoothing) -> Clip {
     if smoothing == Smoothing::Off {
         return clip;
     }

@@ -9,8 +9,9 @@ use std::time::Instant;
 
 use motion::format::bvh::ImportOptions;
 use motion::{Clip, Smoothing};
-use scenes::retarget::contacts::{adjust, adjust_in_time, phases};
+use scenes::retarget::contacts::{adjust_in_time, phases};
 use scenes::retarget::mapping::map_clip;
+use scenes::retarget::pipeline::smoothed;
 use scenes::retarget::refine::refine;
 use scenes::retarget::{Live, Options, RefineDofs, RefineOptions, global_transform, prepare, sway};
 use scenes::retargeting::Session;
@@ -36,30 +37,6 @@ impl Watch {
         match (self.1, Self::processor_s()) {
             (Some(a), Some(b)) => b - a,
             _ => self.0.elapsed().as_secs_f64(),
-        }
-    }
-}
-
-/// Most memory in use since a moment, where the system tells it (Linux).
-struct Memory(Option<f64>);
-
-impl Memory {
-    fn megabytes(field: &str) -> Option<f64> {
-        let text = std::fs::read_to_string("/proc/self/status").ok()?;
-        let line = text.lines().find_map(|l| l.strip_prefix(field))?;
-        Some(line.split_whitespace().next()?.parse::<f64>().ok()? / 1024.0)
-    }
-
-    fn start() -> Self {
-        // 5: the peak begins anew
-        let begun = std::fs::write("/proc/self/clear_refs", "5").is_ok();
-        Self(begun.then(|| Self::megabytes("VmRSS:")).flatten())
-    }
-
-    fn most(&self) -> String {
-        match (self.0, Self::megabytes("VmHWM:")) {
-            (Some(before), Some(most)) => format!("{:.1} MB", most - before),
-            _ => "memory not known".to_owned(),
         }
     }
 }
@@ -113,6 +90,7 @@ fn main() {
         let mapping = s.learn(&options).unwrap();
         stage(&mut times);
         let (mapped, report) = map_clip(&mapping, performer, &human, puppet).unwrap();
+        let mapped = smoothed(mapped, options.mapped);
         stage(&mut times);
         let (moved, _) = global_transform(performer, &human, puppet, &mapped, &options.global);
         stage(&mut times);
@@ -140,16 +118,17 @@ fn main() {
         let mut worst = 0.0f64;
         let (watch, frames) = (Watch::start(), human.frames().min(3000));
         for i in 0..frames {
-            let frame = Watch::start();
+            // processor time is told in steps of milliseconds
+            let frame = Instant::now();
             live.step(human.pose(i)).unwrap();
-            worst = worst.max(frame.seconds());
+            worst = worst.max(frame.elapsed().as_secs_f64());
         }
         let mean = watch.seconds() / frames as f64;
         println!("    live: {:.2} ms a frame on average, {:.2} ms the slowest", 1e3 * mean, 1e3 * worst);
     }
     println!("all three: {whole:.1} s for {:.0} minutes of animation each", SECONDS / 60.0);
 
-    println!("\nrefinement by length of the clip: processor time, memory above that of the clip before");
+    println!("\nrefinement by length of the clip");
     for character in ["lamp", "squirrel"] {
         let s = session("dance", character);
         let (performer, puppet) = (&s.performance.performer, &s.actor.puppet);
@@ -158,20 +137,19 @@ fn main() {
             for seconds in [10.0, 100.0, 1000.0] {
                 let human = long(seconds);
                 let (mapped, report) = map_clip(&mapping, performer, &human, puppet).unwrap();
+                let mapped = smoothed(mapped, options.mapped);
                 let (moved, _) = global_transform(performer, &human, puppet, &mapped, &options.global);
                 let found = phases::find(performer, &human, puppet, &options.contact).unwrap();
                 let found = phases::landing(puppet, &moved, &found).unwrap();
-                let (held, _) = adjust(puppet, &moved, &found).unwrap();
+                let (found, held, _) = adjust_in_time(puppet, &moved, &found, &options.contact).unwrap();
                 let mut refinement = RefineOptions { dofs: dofs.clone(), ..options.refine.clone() };
                 refinement.accepted.extend(mapping.poses.iter().cloned());
-                let memory = Memory::start();
                 let watch = Watch::start();
                 refine(puppet, &held, &found, &report.variance, &refinement).unwrap();
                 let took = watch.seconds();
                 println!(
-                    "{character:8} {dofs:?}, {seconds:6} s: {took:8.3} s, {:.1} ms a second; {}",
-                    1e3 * took / seconds,
-                    memory.most()
+                    "{character:8} {dofs:?}, {seconds:6} s: {took:8.3} s, {:.1} ms a second",
+                    1e3 * took / seconds
                 );
             }
         }
