@@ -83,6 +83,22 @@ fn steps_do_not_jump() {
     println!("at most {worst:?}"); // 1.13 seen
 }
 
+/// So they are at any frame rate: points that rest do not creep over more frames.
+#[test]
+fn steps_do_not_depend_on_the_frame_rate() {
+    for character in ["lamp", "penguin", "squirrel"] {
+        let session = session("14_24", character);
+        for rate_hz in [30.0, 60.0, 120.0] {
+            let options =
+                Options { rate_hz: Some(rate_hz), stop_after: Stage::Contact, ..Options::default() };
+            let c = run(&session, &options).contact.unwrap();
+            println!("{character} at {rate_hz} Hz: {c:?}");
+            assert!(c.slip_m <= 2e-4, "{character} at {rate_hz} Hz: {c:?}"); // 0.06 mm seen
+            assert!(c.jerk_ratio <= 1.2, "{character} at {rate_hz} Hz: {c:?}"); // 1.09 seen
+        }
+    }
+}
+
 /// With root and legs (a lamp's arm is its leg) all six components match, and forces stay inside the friction cone.
 #[test]
 fn root_and_legs_match_all_six_components() {
