@@ -232,7 +232,8 @@ fn place(world_from_link: &Transform, p: &Vec3) -> Vec3 {
     (world_from_link * nalgebra::Point3::from(*p)).coords
 }
 
-fn flat(p: &Vec3) -> Vec2 {
+/// A point seen, without its distance.
+pub fn flat(p: &Vec3) -> Vec2 {
     Vec2::new(p.x, p.y)
 }
 

@@ -14,7 +14,7 @@ use motion::{Clip, Joint, Kinematics, Vec3};
 use crate::camera::{Camera, facing};
 use crate::figure::{Anchor, Figure, Px};
 use crate::panel::header;
-use crate::solid::{BANDS, Facet, Floor, Solid, grown, shadow, skin, solid};
+use crate::solid::{BANDS, Facet, Floor, Solid, flat, grown, shadow, skin, solid};
 use crate::style::{self, Color, INK, LABEL, MARGIN, WHITE};
 
 /// One row of a film strip.
@@ -241,10 +241,7 @@ pub(crate) fn painted(
 
 /// A square of a floor about a point above it, pictured.
 fn plate(floor: &Floor, about: &Vec3, camera: &Camera) -> Vec<Vec2> {
-    let corner = |x: f64, z: f64| {
-        let seen = camera.see(&floor.under(&(about + Vec3::new(x, 0.0, z) * PLATE)));
-        Vec2::new(seen.x, seen.y)
-    };
+    let corner = |x: f64, z: f64| flat(&camera.see(&floor.under(&(about + Vec3::new(x, 0.0, z) * PLATE))));
     vec![corner(-1.0, -1.0), corner(1.0, -1.0), corner(1.0, 1.0), corner(-1.0, 1.0)]
 }
 

@@ -18,6 +18,7 @@ pub mod phases;
 mod planted;
 pub mod reach;
 
+use dynamics::Character;
 use motion::{Clip, Vec3, smoothstep};
 
 use crate::global_transform::low_pass;
@@ -123,13 +124,19 @@ fn firmness(spans: &[Span], clip: &Clip) -> Vec<f64> {
 
 /// World positions of the contact points in every frame, one path per point.
 pub fn point_paths(puppet: &Puppet, clip: &Clip) -> Vec<Path> {
-    let sites = puppet.character.skeleton.sites();
+    let sites: Vec<usize> = puppet.contacts.iter().map(|c| c.site).collect();
+    site_paths(&puppet.character, &sites, clip)
+}
+
+/// World positions of some sites of a character in every frame, one path per site.
+fn site_paths(character: &Character, sites: &[usize], clip: &Clip) -> Vec<Path> {
+    let all = character.skeleton.sites();
     let mut k = motion::Kinematics::new(&clip.skeleton, &clip.skeleton.zero_pose());
-    let mut out = vec![Path::with_capacity(clip.frames()); puppet.contacts.len()];
+    let mut out = vec![Path::with_capacity(clip.frames()); sites.len()];
     for i in 0..clip.frames() {
         k.update(&clip.skeleton, clip.pose(i));
-        for (path, c) in out.iter_mut().zip(&puppet.contacts) {
-            path.push(k.point(sites[c.site].link, &sites[c.site].at));
+        for (path, &site) in out.iter_mut().zip(sites) {
+            path.push(k.point(all[site].link, &all[site].at));
         }
     }
     out

@@ -15,10 +15,10 @@
 //! keep by flipping a foot, the short ones are dropped ([`landing`]).
 
 use motion::names::hint;
-use motion::{Clip, Kinematics, Vec3};
+use motion::{Clip, Vec3};
 
-use super::Phase;
-use super::paths::Span;
+use super::paths::{Path, Span};
+use super::{Phase, site_paths};
 use crate::options::ContactOptions;
 use crate::{ContactPoint, Follow, Performer, Puppet, RetargetError};
 
@@ -35,29 +35,15 @@ pub const REACHED: f64 = 0.1;
 /// Own floors are no higher than this above the ground, m, for a performer of standard size.
 pub const HIGHEST_FLOOR_M: f64 = 0.06;
 
-/// World positions of the performer's contact points in every frame, m.
-fn human_paths(performer: &Performer, human: &Clip) -> Vec<Vec<Vec3>> {
-    let c = &performer.character;
-    let mut k = Kinematics::new(&human.skeleton, &human.skeleton.zero_pose());
-    let mut paths = vec![Vec::with_capacity(human.frames()); c.contacts.len()];
-    for i in 0..human.frames() {
-        k.update(&human.skeleton, human.pose(i));
-        for (path, &site) in paths.iter_mut().zip(&c.contacts) {
-            let site = &c.skeleton.sites()[site];
-            path.push(k.point(site.link, &site.at));
-        }
-    }
-    paths
+/// Paths of the performer's contact points; `human` on ground at height 0.
+fn human_paths(performer: &Performer, human: &Clip) -> Vec<Path> {
+    site_paths(&performer.character, &performer.character.contacts, human)
 }
 
 /// Own floor of each of the performer's contact points, m; `human` on ground at height 0. See the module header.
 pub fn own_floors(performer: &Performer, human: &Clip, options: &ContactOptions) -> Vec<f64> {
-    let size = performer.features.unit_m;
-    let slow = |p: &Vec<Vec3>| -> Vec<f64> {
-        let still = |i: &usize| speed_at(p, *i, human.rate_hz) < options.speed_m_s * size;
-        (0..p.len()).filter(still).map(|i| p[i].y).collect()
-    };
-    human_paths(performer, human).iter().map(|p| own_floor(slow(p), HIGHEST_FLOOR_M * size)).collect()
+    let of_path = |p: &Path| own_floor(p, &speeds(p, human.rate_hz), performer, options);
+    human_paths(performer, human).iter().map(of_path).collect()
 }
 
 /// Contact of each of the performer's contact points in every frame; `human` on ground at height 0.
@@ -65,37 +51,39 @@ pub fn human_contacts(performer: &Performer, human: &Clip, options: &ContactOpti
     let size = performer.features.unit_m;
     let (height, speed) = (options.height_m * size, options.speed_m_s * size);
     let shortest = (options.shortest_s * human.rate_hz).round() as usize;
-    let floors = own_floors(performer, human, options);
-    human_paths(performer, human)
-        .iter()
-        .zip(floors)
-        .map(|(p, floor)| {
-            let mut down = false;
-            let mut on: Vec<bool> = (0..p.len())
-                .map(|i| {
-                    let times = if down { LEAVE } else { 1.0 };
-                    let low = p[i].y - floor < times * height;
-                    down = low && speed_at(p, i, human.rate_hz) < times * speed;
-                    down
-                })
-                .collect();
-            tidy(&mut on, shortest);
-            on
-        })
-        .collect()
+    let of_path = |p: &Path| {
+        let speeds = speeds(p, human.rate_hz);
+        let floor = own_floor(p, &speeds, performer, options);
+        let mut down = false;
+        let touches = |(p, v): (&Vec3, &f64)| {
+            let times = if down { LEAVE } else { 1.0 };
+            down = p.y - floor < times * height && *v < times * speed;
+            down
+        };
+        let mut on: Vec<bool> = p.iter().zip(&speeds).map(touches).collect();
+        tidy(&mut on, shortest);
+        on
+    };
+    human_paths(performer, human).iter().map(of_path).collect()
 }
 
 /// Height at which a point stands, of those it has while it is slow, m; see the module header.
-fn own_floor(mut heights: Vec<f64>, highest: f64) -> f64 {
+fn own_floor(path: &Path, speeds: &[f64], performer: &Performer, options: &ContactOptions) -> f64 {
+    let size = performer.features.unit_m;
+    let slow = path.iter().zip(speeds).filter(|(_, v)| **v < options.speed_m_s * size);
+    let mut heights: Vec<f64> = slow.map(|(p, _)| p.y).collect();
     heights.sort_by(f64::total_cmp);
     let at = heights.get((heights.len() as f64 * REACHED) as usize);
-    at.copied().filter(|y| (0.0..highest).contains(y)).unwrap_or(0.0)
+    at.copied().filter(|y| (0.0..HIGHEST_FLOOR_M * size).contains(y)).unwrap_or(0.0)
 }
 
-/// Speed of a sampled path, m/s.
-fn speed_at(p: &[Vec3], i: usize, rate_hz: f64) -> f64 {
-    let (a, b) = (i.saturating_sub(1), (i + 1).min(p.len() - 1));
-    if a == b { 0.0 } else { (p[b] - p[a]).norm() * rate_hz / (b - a) as f64 }
+/// Speeds of a sampled path, m/s.
+fn speeds(p: &[Vec3], rate_hz: f64) -> Vec<f64> {
+    let at = |i: usize| {
+        let (a, b) = (i.saturating_sub(1), (i + 1).min(p.len() - 1));
+        if a == b { 0.0 } else { (p[b] - p[a]).norm() * rate_hz / (b - a) as f64 }
+    };
+    (0..p.len()).map(at).collect()
 }
 
 /// Closes short gaps between phases, then drops short phases; at the ends of the clip both may be short.
@@ -177,9 +165,8 @@ pub fn find(
     }
     let contacts = human_contacts(performer, human, options);
     let shortest = (options.shortest_s * human.rate_hz).round() as usize;
-    let mut out = Vec::new();
-    for point in &puppet.contacts {
-        let name = &puppet.character.skeleton.sites()[point.site].name;
+    let mut out = vec![Vec::new(); puppet.contacts.len()];
+    for (spans, point) in out.iter_mut().zip(&puppet.contacts) {
         let groups = groups(performer, puppet, point)?;
         let mut on: Vec<bool> =
             (0..human.frames()).map(|i| follows(point.follow, &groups, |c| contacts[c][i])).collect();
@@ -188,13 +175,12 @@ pub fn find(
         while i < on.len() {
             let run = on[i..].iter().take_while(|&&x| x == on[i]).count();
             if on[i] {
-                let at = |frame: usize| frame as f64 / human.rate_hz;
-                out.push(Phase { point: name.clone(), from_s: at(i), to_s: at(i + run - 1) });
+                spans.push(Span { first: i, last: i + run - 1 });
             }
             i += run;
         }
     }
-    Ok(out)
+    Ok(named(puppet, &out, human.rate_hz))
 }
 
 /// Drops short phases that would flip a foot: of a heel that touches for a tenth of a second where the character's foot points
