@@ -1,5 +1,7 @@
 //! Promises across the crates. Each module is one kind of promise.
 
 mod arrows;
+mod circles;
 mod laws;
+mod program;
 mod scenes;

@@ -2,69 +2,42 @@
 
 use std::path::PathBuf;
 
-use clap::{Args, ValueEnum};
+use clap::Args;
+use motion::names::Word;
 use motion::smooth::Smoothing;
-use scenes::StudyOptions;
+use takes::AnalysisSettings;
+use takes::results::analysis_figures::AnalysisFigure;
+use takes::results::analysis_write::Table;
 
 use crate::args::{ClipArgs, number};
+use crate::words::word;
 
-/// A figure of `plot`.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, ValueEnum)]
-pub enum What {
-    /// Ground forces per foot and in total: required, given, measured, MuJoCo's
-    Contact,
-    /// Residual force and moment, graded
-    Residual,
-    /// Linear and angular momentum
-    Momentum,
-    /// Centre of mass and centre of pressure over the support
-    Com,
-    /// Torques of the hardest joints
-    Torque,
-    /// Gains and torques of the muscles (traces only)
-    Gains,
-    /// Joint angles asked for and performed
-    Angles,
-    /// Energies and power
-    Energy,
-    /// Film strip
-    Strip,
-    /// All of them that there are
+/// A figure of `plot`, or all of them.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Pick {
+    /// This one.
+    One(AnalysisFigure),
+    /// All that there are.
     All,
 }
 
-impl What {
-    /// Every figure, in order.
-    pub const EACH: [What; 9] = [
-        What::Contact,
-        What::Residual,
-        What::Momentum,
-        What::Com,
-        What::Torque,
-        What::Gains,
-        What::Angles,
-        What::Energy,
-        What::Strip,
-    ];
-
-    /// Name of its files.
-    pub fn stem(self) -> &'static str {
-        match self {
-            What::Contact => "contact",
-            What::Residual => "residual",
-            What::Momentum => "momentum",
-            What::Com => "com",
-            What::Torque => "torque",
-            What::Gains => "gains",
-            What::Angles => "angles",
-            What::Energy => "energy",
-            What::Strip => "strip",
-            What::All => "all",
-        }
+fn pick(text: &str) -> Result<Pick, String> {
+    if text.eq_ignore_ascii_case("all") {
+        return Ok(Pick::All);
     }
+    AnalysisFigure::find(text).map(Pick::One).map_err(|e| e.to_string())
 }
 
-/// What inverse dynamics is told.
+/// What `--what` takes.
+fn figures_help() -> String {
+    let each = AnalysisFigure::WORDS.iter().map(|w| format!("\n{:<9} {}", w.1, w.2));
+    format!(
+        "What to draw; several, separated by commas [default: all]{}\nall       All of them that there are",
+        each.collect::<String>()
+    )
+}
+
+/// Options of inverse dynamics.
 #[derive(Clone, Debug, Default, Args)]
 pub struct DynamicsArgs {
     /// Character file for a clip, instead of a guessed body
@@ -83,9 +56,9 @@ pub struct DynamicsArgs {
 }
 
 impl DynamicsArgs {
-    /// The same as a study takes it.
-    pub fn options(&self) -> StudyOptions {
-        StudyOptions { smoothing: self.smooth, friction: self.friction }
+    /// The same as an analysis takes it.
+    pub fn options(&self) -> AnalysisSettings {
+        AnalysisSettings { smoothing: self.smooth, friction: self.friction }
     }
 }
 
@@ -93,12 +66,12 @@ impl DynamicsArgs {
 #[derive(Debug, Args)]
 #[command(after_help = PLOT_EXAMPLES)]
 pub struct PlotArgs {
-    /// trace.npz, the folder of a run, a clip (.bvh) or a scene (.ron)
+    /// trace.npz, the folder of a run, a clip (.bvh) or a scene (.ron, or a name of the library)
     #[arg(value_name = "TRACE|CLIP")]
     pub input: PathBuf,
-    /// What to draw; several, separated by commas
-    #[arg(long, value_enum, value_delimiter = ',', default_value = "all")]
-    pub what: Vec<What>,
+    /// What to draw.
+    #[arg(long, value_name = "FIGURE", value_parser = pick, value_delimiter = ',', default_value = "all", help = figures_help(), hide_default_value = true)]
+    pub what: Vec<Pick>,
     /// A file (.svg or .png) for one figure, or a folder [default: plots/ beside the trace,
     /// out/NAME/plots for a clip]
     #[arg(long, value_name = "F.svg|F.png|DIR")]
@@ -115,6 +88,9 @@ pub struct PlotArgs {
     /// Only these joints in `torque`, `gains` and `angles`, by link
     #[arg(long, value_name = "NAME", value_delimiter = ',')]
     pub joints: Vec<String>,
+    /// Replace a file of --out if it exists
+    #[arg(long)]
+    pub force: bool,
     /// MuJoCo's trace of the same run [default: mujoco/trace.npz beside the trace, where there is one]
     #[arg(long, value_name = "TRACE.npz")]
     pub mujoco: Option<PathBuf>,
@@ -140,22 +116,11 @@ Examples:
 Required forces come from inverse dynamics of the motion; those given from penalty contact at the soles;
 those measured from the trace. See docs/ANALYSIS.md.";
 
-/// A file of `analyze`.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-pub enum Format {
-    /// Everything, one row per frame; angles in degrees
-    Csv,
-    /// OpenSim motion files of joint torques and ground reactions
-    Mot,
-    /// Numpy arrays, SI and radians
-    Npz,
-}
-
 /// Arguments of `analyze`.
 #[derive(Debug, Args)]
 #[command(after_help = ANALYZE_EXAMPLES)]
 pub struct AnalyzeArgs {
-    /// Clip (.bvh), scene (.ron), trace.npz or the folder of a run
+    /// Clip (.bvh), scene (.ron, or a name of the library), trace.npz or the folder of a run
     #[arg(value_name = "CLIP")]
     pub input: PathBuf,
     /// Folder to write into; an earlier analysis there is replaced when all is complete
@@ -163,8 +128,8 @@ pub struct AnalyzeArgs {
     #[arg(short, long, value_name = "DIR")]
     pub out: Option<PathBuf>,
     /// Files to write, separated by commas
-    #[arg(long, value_enum, value_delimiter = ',', default_value = "csv,mot,npz")]
-    pub format: Vec<Format>,
+    #[arg(long, value_name = "FORMAT", value_parser = word::<Table>(), value_delimiter = ',', default_value = "csv,mot,npz")]
+    pub format: Vec<Table>,
     /// Draw nothing
     #[arg(long)]
     pub no_plots: bool,

@@ -3,11 +3,12 @@
 use std::fmt::Write;
 use std::path::Path;
 
-use scenes::study_report::{AnalysisReport, Span};
-use scenes::{Study, StudySource};
+use takes::results::analysis_report::{AnalysisReport, FrameSpan};
+use takes::results::number;
+use takes::results::write::PLOTS;
+use takes::{AnalysisInput, AnalysisSource};
 
-use crate::output::PLOTS;
-use crate::summary::{line, number};
+use crate::summary::line;
 
 /// Joints named.
 const JOINTS: usize = 5;
@@ -15,14 +16,14 @@ const JOINTS: usize = 5;
 const SPANS: usize = 4;
 
 /// The summary of an analysis whose files are in `dir`.
-pub fn of(study: &Study, r: &AnalysisReport, dir: &Path) -> String {
+pub fn of(input: &AnalysisInput, r: &AnalysisReport, dir: &Path) -> String {
     let mut out = String::new();
     // writing to a String cannot fail
-    let _ = write(&mut out, study, r, dir);
+    let _ = write(&mut out, input, r, dir);
     out
 }
 
-fn write(out: &mut String, study: &Study, r: &AnalysisReport, dir: &Path) -> std::fmt::Result {
+fn write(out: &mut String, input: &AnalysisInput, r: &AnalysisReport, dir: &Path) -> std::fmt::Result {
     writeln!(out, "{}", verdict(r))?;
     line(
         out,
@@ -35,8 +36,10 @@ fn write(out: &mut String, study: &Study, r: &AnalysisReport, dir: &Path) -> std
         "body",
         format!("{}: {} links, {} degrees of freedom, {:.1} kg", c.name, c.links, c.dof, c.mass_kg),
     )?;
-    if let StudySource::Clip(source) = &study.source {
-        for (i, text) in source.import.to_string().lines().enumerate() {
+    if let AnalysisSource::Clip(source) = &input.source {
+        for (i, text) in
+            source.import.as_ref().map(ToString::to_string).unwrap_or_default().lines().enumerate()
+        {
             line(out, if i == 0 { "read" } else { "" }, text)?;
         }
         if let Some(body) = &source.body {
@@ -213,16 +216,17 @@ fn ground(out: &mut String, r: &AnalysisReport) -> std::fmt::Result {
 }
 
 /// Where something happens, longest spans first, in order of time.
-fn spans(out: &mut String, all: &[Span]) -> std::fmt::Result {
+fn spans(out: &mut String, all: &[FrameSpan]) -> std::fmt::Result {
     if all.is_empty() {
         return Ok(());
     }
-    let mut longest: Vec<&Span> = all.iter().collect();
+    let mut longest: Vec<&FrameSpan> = all.iter().collect();
     longest.sort_by_key(|s| std::cmp::Reverse(s.to_frame - s.from_frame));
     longest.truncate(SPANS);
     longest.sort_by_key(|s| s.from_frame);
-    let one =
-        |s: &&Span| format!("{:.2} to {:.2} s (frames {} to {})", s.from_s, s.to_s, s.from_frame, s.to_frame);
+    let one = |s: &&FrameSpan| {
+        format!("{:.2} to {:.2} s (frames {} to {})", s.from_s, s.to_s, s.from_frame, s.to_frame)
+    };
     let mut text = longest.iter().map(one).collect::<Vec<_>>().join(", ");
     if all.len() > SPANS {
         let _ = write!(text, " and {} shorter, see report.json", all.len() - SPANS);

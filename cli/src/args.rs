@@ -2,11 +2,14 @@
 
 use std::path::PathBuf;
 
-use clap::{Args, Parser, Subcommand, ValueEnum};
-use motion::format::bvh::{Axis, ImportOptions};
-use scenes::overrides::{Overrides, RATES, RootChoice, SUBSTEPS, Strategy, TENSIONS};
-use scenes::push::PushSettings;
-use scenes::{Patch, SceneError};
+use clap::{Args, Parser, Subcommand};
+use formats::bvh::{Axis, ImportOptions};
+use studies::push::PushSettings;
+use takes::overrides::{RATES, RootChoice, SUBSTEPS, Strategy, TENSIONS};
+use takes::{Overrides, Patch, SceneError};
+
+use crate::engines;
+use crate::words::word;
 
 /// Motion performed by a body with mass, muscles and contacts.
 #[derive(Debug, Parser)]
@@ -30,10 +33,15 @@ Examples:
   contrapposto retarget scenes/performances/anger.ron --to scenes/characters/lamp.ron
                                               the same anger, from a lamp
   contrapposto convert walk.bvh walk.glb      change the format only
+  contrapposto library                        scenes and characters that are inside the program
+  contrapposto new first                      a folder with a scene to start from
+
+A name of the library stands for its file, in any folder: contrapposto render bow.
+A file of that name is meant before it.
 
 Exit codes: 0 done (also when the body fell), 1 the run failed, 2 something is wrong with the input.";
 
-pub use crate::analysis_args::{AnalyzeArgs, DynamicsArgs, Format, PlotArgs, What};
+pub use crate::analysis_args::{AnalyzeArgs, Pick, PlotArgs};
 pub use crate::retarget_args::RetargetArgs;
 pub use crate::tune_args::TuneArgs;
 
@@ -58,6 +66,10 @@ pub enum Command {
     Retarget(RetargetArgs),
     /// Write a clip, the kinematic motion of a scene, or a body in another format
     Convert(ConvertArgs),
+    /// List the scenes, characters and key poses inside the program, or print one
+    Library(LibraryArgs),
+    /// Write a starter project: a scene, its character, how to go on
+    New(NewArgs),
 }
 
 /// What is known about a BVH file; what is not said is guessed and printed.
@@ -67,33 +79,17 @@ pub struct ClipArgs {
     #[arg(long, value_name = "METRES_PER_UNIT", value_parser = length, allow_negative_numbers = true)]
     pub units: Option<f64>,
     /// Vertical axis of the BVH file; guessed if not given
-    #[arg(long, value_enum)]
-    pub up: Option<Up>,
+    #[arg(long, value_parser = word::<Axis>())]
+    pub up: Option<Axis>,
     /// Leave out a first frame that is an inserted T-pose
     #[arg(long)]
     pub drop_t_pose: bool,
 }
 
-/// A vertical axis.
-#[derive(Clone, Copy, Debug, ValueEnum)]
-pub enum Up {
-    /// Y up, as Contrapposto has it.
-    Y,
-    /// Z up; the clip is turned.
-    Z,
-}
-
 impl ClipArgs {
     /// The same as the importer takes it.
     pub fn import(&self) -> ImportOptions {
-        ImportOptions {
-            metres_per_unit: self.units,
-            up: self.up.map(|up| match up {
-                Up::Y => Axis::Y,
-                Up::Z => Axis::Z,
-            }),
-            drop_t_pose: self.drop_t_pose,
-        }
+        ImportOptions { metres_per_unit: self.units, up: self.up, drop_t_pose: self.drop_t_pose }
     }
 
     /// The first of these options that was given.
@@ -122,9 +118,17 @@ pub struct PhysicsArgs {
     /// Engine substeps per control step [default: as many as the stiffest joint needs, at least 2]
     #[arg(long, value_name = "N", value_parser = substeps, allow_negative_numbers = true)]
     pub substeps: Option<usize>,
-    /// Strategies of balance to switch off: ankle, hip, weight
-    #[arg(long, value_name = "STRATEGY", value_delimiter = ',')]
+    /// Strategies of balance to switch off
+    #[arg(long, value_name = "STRATEGY", value_parser = word::<Strategy>(), value_delimiter = ',')]
     pub without: Vec<Strategy>,
+    /// Engine that simulates.
+    #[arg(long, value_name = "ENGINE", help = engine_help())]
+    pub engine: Option<String>,
+}
+
+/// What `--engine` takes.
+pub fn engine_help() -> String {
+    format!("Engine that simulates: {} [default: the scene's, rapier]", engines::help())
 }
 
 impl PhysicsArgs {
@@ -148,7 +152,7 @@ impl PhysicsArgs {
 #[derive(Debug, Args)]
 #[command(after_help = RENDER_EXAMPLES)]
 pub struct RenderArgs {
-    /// Scene (.ron) or motion-capture clip (.bvh)
+    /// Scene (.ron, or a name of the library) or motion-capture clip (.bvh)
     #[arg(value_name = "SCENE.ron|CLIP.bvh")]
     pub input: PathBuf,
     /// Folder to write into; earlier output there is replaced when all is complete [default: out/NAME]
@@ -173,7 +177,7 @@ pub struct RenderArgs {
     )]
     pub pareto: Option<Vec<f64>>,
     /// Perform this part of a clip only, in seconds
-    #[arg(long, value_name = "FROM..TO", value_parser = scenes::overrides::span)]
+    #[arg(long, value_name = "FROM..TO", value_parser = takes::overrides::span)]
     pub span: Option<(f64, f64)>,
     /// Leave out the edits of the scene
     #[arg(long)]
@@ -221,7 +225,7 @@ Files written into DIR:
   span_1/, ...    a clip that also steps, with a free root: these files of every standing span instead
 With --pareto, into out/NAME-pareto: report.json and plots/pareto, see docs/ROOT.md.
 
-With a free root a clip is performed where its feet stand; where they step it is not, and that is said. --root pinned or
+With a free root a clip is performed where its feet stand; where they step it is not, and the summary says so. --root pinned or
 assisted performs it whole.
 
 BVH files are written in the unit of the BVH read, in centimetres for scenes; Y is up.
@@ -236,13 +240,18 @@ impl RenderArgs {
         let root = self.fidelity.map(RootChoice::Fidelity).or(self.root);
         Ok(Overrides { root, span_s: self.span, ..self.physics.overrides()? })
     }
+
+    /// Files that are read beside those that the input names.
+    pub fn reads(&self) -> Vec<PathBuf> {
+        [&self.input].into_iter().chain(&self.body).chain(&self.physics.patch).cloned().collect()
+    }
 }
 
 /// Arguments of `inspect`.
 #[derive(Debug, Args)]
 #[command(after_help = INSPECT_EXAMPLES)]
 pub struct InspectArgs {
-    /// Scene or character (.ron), or clip (.bvh)
+    /// Scene or character (.ron, or a name of the library), or clip (.bvh)
     #[arg(value_name = "FILE")]
     pub input: PathBuf,
     /// Print JSON instead of text
@@ -251,6 +260,9 @@ pub struct InspectArgs {
     /// Write the body guessed for a clip as a character file, to edit and give to `render --body`
     #[arg(long, value_name = "FILE.ron")]
     pub write_body: Option<PathBuf>,
+    /// Replace the file of --write-body if it exists
+    #[arg(long, requires = "write_body")]
+    pub force: bool,
     /// How to read a clip.
     #[command(flatten)]
     pub clip: ClipArgs,
@@ -267,7 +279,7 @@ Examples:
 #[derive(Debug, Args)]
 #[command(after_help = CROSSCHECK_EXAMPLES)]
 pub struct CrosscheckArgs {
-    /// Scene or character (.ron), clip (.bvh), or physics model (MJCF .xml, .urdf)
+    /// Scene or character (.ron, or a name of the library), clip (.bvh), or physics model (MJCF .xml, .urdf)
     #[arg(value_name = "SCENE|MODEL")]
     pub input: PathBuf,
     /// Folder to write into; earlier output there is replaced when all is complete
@@ -344,20 +356,11 @@ Files written into DIR:
 
 Exit codes: 0 all checks pass, 1 a check fails or an engine does, 2 something is wrong with the input.";
 
-/// An engine that can simulate pushes.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-pub enum EngineArg {
-    /// The engine of every other command
-    Rapier,
-    /// The engine of the cross-check, controllers closed over its own state; much slower
-    Mujoco,
-}
-
 /// Arguments of `push`.
 #[derive(Debug, Args)]
 #[command(after_help = PUSH_EXAMPLES)]
 pub struct PushArgs {
-    /// Scene (.ron) of a body that stands free
+    /// Scene (.ron, or a name of the library) of a body that stands free
     #[arg(value_name = "SCENE")]
     pub input: PathBuf,
     /// Directions, evenly spaced, from forward on
@@ -376,9 +379,6 @@ pub struct PushArgs {
     /// Muscles and simulation.
     #[command(flatten)]
     pub physics: PhysicsArgs,
-    /// Engine that simulates the pushes
-    #[arg(long, value_enum, default_value_t = EngineArg::Rapier)]
-    pub engine: EngineArg,
     /// Draw nothing
     #[arg(long)]
     pub no_plots: bool,
@@ -423,7 +423,7 @@ impl PushArgs {
 #[derive(Debug, Args)]
 #[command(after_help = CONVERT_EXAMPLES)]
 pub struct ConvertArgs {
-    /// Clip (.bvh), scene or character (.ron), or, to write a body, physics model (MJCF .xml, .urdf)
+    /// Clip (.bvh), scene or character (.ron, or a name of the library), or, to write a body, physics model (MJCF .xml, .urdf)
     #[arg(value_name = "IN")]
     pub input: PathBuf,
     /// File to write: .bvh, .glb, or .xml for the body as MJCF
@@ -438,6 +438,9 @@ pub struct ConvertArgs {
     /// Leave out and list what a physics model has and rigid-body dynamics has not, instead of refusing it
     #[arg(long)]
     pub dynamics_only: bool,
+    /// Replace OUT if it exists
+    #[arg(long)]
+    pub force: bool,
     /// How to read a clip.
     #[command(flatten)]
     pub clip: ClipArgs,
@@ -453,6 +456,35 @@ Examples:
 
 A body written as MJCF (.xml) is Y up, in metres and radians, with the ground as a plane and two springs and a
 damper per hinge as actuators (controls k_lo, k_hi, k_d); a clip's body is the one guessed for it.";
+
+/// Arguments of `library`.
+#[derive(Debug, Args)]
+#[command(after_help = LIBRARY_EXAMPLES)]
+pub struct LibraryArgs {
+    /// Print this file instead of the list
+    #[arg(value_name = "NAME")]
+    pub name: Option<String>,
+    /// Print the list, or the line of NAME, as JSON
+    #[arg(long)]
+    pub json: bool,
+}
+
+const LIBRARY_EXAMPLES: &str = "\
+Examples:
+  contrapposto library
+  contrapposto library bow > mine.ron
+  contrapposto library library:keyposes/lamp.ron
+
+A name stands for its file wherever a command takes a scene, a character or key poses, unless a file of that name
+exists. Inside a scene a file of the library is named by its location: character: \"library:characters/human.ron\".";
+
+/// Arguments of `new`.
+#[derive(Debug, Args)]
+pub struct NewArgs {
+    /// Folder to write into; it is made if it does not exist, and no file in it is replaced
+    #[arg(value_name = "DIR")]
+    pub dir: PathBuf,
+}
 
 /// The patch of a file, if one is given.
 ///

@@ -1,10 +1,12 @@
 //! `convert`: a clip, the kinematic motion of a scene, or a body to another format.
 
-use std::path::Path;
+use std::path::PathBuf;
 
+use formats::glb;
+use formats::table::{ClipOut, endings};
 use motion::Clip;
-use motion::format::{bvh, glb};
-use scenes::{Overrides, StageError};
+use takes::Ask;
+use takes::results::folder::{Overwrite, check_file, write_file};
 
 use crate::args::ConvertArgs;
 use crate::failure::Failure;
@@ -15,54 +17,55 @@ use crate::output;
 /// # Errors
 /// Bad input, a file that cannot be written.
 pub fn run(args: &ConvertArgs) -> Result<(), Failure> {
-    let kind = extension(&args.output);
-    if args.dynamics_only && kind != "xml" {
-        return Err(Failure::Input("--dynamics-only is for physics models; they are written as .xml".into()));
+    let format = formats::format_of(&args.output);
+    if format.is_some_and(|format| format.writes_body) {
+        return body(args);
     }
-    match kind.as_str() {
-        "bvh" | "glb" => {}
-        "xml" => return body(args),
-        _ => {
-            let path = args.output.display();
-            return Err(Failure::Input(format!("{path}: cannot write this; allowed: .bvh, .glb, .xml")));
-        }
+    if args.dynamics_only {
+        let kinds = endings(|format| format.writes_body);
+        return Err(Failure::Input(format!(
+            "--dynamics-only is for physics models; they are written as {kinds}"
+        )));
     }
-    if args.out_units.is_some() && kind == "glb" {
-        return Err(Failure::Input("--out-units is for .bvh; a .glb is in metres by definition".into()));
-    }
-    let mut said = String::new();
-    let (clip, solids, colors, unit) = match extension(&args.input).as_str() {
-        "bvh" => {
-            let (clip, report) = bvh::read_file(&args.input, &args.clip.import()).map_err(Failure::input)?;
-            said += &format!("{report}\n");
-            let solids = glb::bones(&clip.skeleton);
-            (clip, solids, Vec::new(), report.units.metres_per_unit)
-        }
-        "ron" => {
-            if let Some(option) = args.clip.given() {
-                let path = args.input.display();
-                return Err(Failure::Input(format!("{option} is for clips (.bvh); {path} is a scene")));
-            }
-            let stage = scenes::open_with(&args.input, None, &args.clip.import(), &Overrides::default())
-                .map_err(Failure::input)?;
-            (stage.kinematic.clone(), stage.solids(), stage.colors.clone(), stage.metres_per_unit())
-        }
-        _ => return Err(Failure::input(StageError::Kind(args.input.display().to_string()))),
+    let Some((format, write)) = format.and_then(|format| Some((format, format.write_clip?))) else {
+        let (path, kinds) = (args.output.display(), endings(|f| f.write_clip.is_some() || f.writes_body));
+        return Err(Failure::Input(format!("{path}: cannot write this; allowed: {kinds}")));
     };
-    said = format!("read {}: {}\n{said}", args.input.display(), describe(&clip));
+    if args.out_units.is_some() && !format.units {
+        let ending = format.endings[0];
+        return Err(Failure::Input(format!(
+            "--out-units is for {}; a .{ending} is in metres by definition",
+            endings(|f| f.units)
+        )));
+    }
+    let mut text = String::new();
+    let mut reads = vec![args.input.clone()];
+    check(args, &reads)?;
+    let (clip, solids, colors, unit) = if formats::table::is_clip(&args.input) {
+        let read = formats::open_clip(&args.input, &args.clip.import());
+        let (clip, report) = read.map_err(Failure::input)?;
+        text += &format!("{report}\n");
+        let solids = glb::bones(&clip.skeleton);
+        (clip, solids, Vec::new(), report.units.metres_per_unit)
+    } else {
+        if let Some(option) = args.clip.given() {
+            let path = args.input.display();
+            return Err(Failure::Input(format!("{option} is for clips (.bvh); {path} is none")));
+        }
+        let take = takes::open(args.input.as_path(), &Ask::default())?;
+        reads.extend(take.files.iter().cloned());
+        let unit = take.metres_per_unit();
+        (take.asked.clip, take.body.solids(), take.body.colors, unit)
+    };
+    text = format!("read {}: {}\n{text}", args.input.display(), describe(&clip));
     let clip = args.rate.map_or_else(|| clip.clone(), |rate| clip.resample(rate));
     let name = args.input.file_stem().unwrap_or_default().to_string_lossy();
-    let written = if kind == "glb" {
-        glb::write_file(&args.output, &clip, &solids, &colors, &name).map_err(Failure::run)?;
-        "metres".to_owned()
-    } else {
-        let metres_per_unit = args.out_units.unwrap_or(unit);
-        let options = bvh::WriteOptions { metres_per_unit, ..Default::default() };
-        bvh::write_file(&args.output, &clip, &options).map_err(Failure::run)?;
-        format!("units of {metres_per_unit} m")
-    };
-    said += &format!("wrote {}: {}, {written}, Y up\n", args.output.display(), describe(&clip));
-    output::print(&said)
+    let metres_per_unit = if format.units { args.out_units.unwrap_or(unit) } else { 1.0 };
+    let out = ClipOut { clip: &clip, solids: &solids, colors: &colors, name: &name, metres_per_unit };
+    put(args, &write(&out).map_err(Failure::run)?, &reads)?;
+    let written = if format.units { format!("units of {metres_per_unit} m") } else { "metres".to_owned() };
+    text += &format!("wrote {}: {}, {written}, Y up\n", args.output.display(), describe(&clip));
+    output::print(&text)
 }
 
 /// The body of a file as MJCF.
@@ -72,9 +75,11 @@ fn body(args: &ConvertArgs) -> Result<(), Failure> {
             return Err(Failure::Input(format!("{option} is for motion; an .xml holds a body")));
         }
     }
+    let reads = [args.input.clone()];
+    check(args, &reads)?;
     let made =
-        scenes::export::mjcf(&args.input, &args.clip.import(), args.dynamics_only).map_err(Failure::input)?;
-    motion::format::write(&args.output, made.text.as_bytes()).map_err(Failure::run)?;
+        takes::export::mjcf(&args.input, &args.clip.import(), args.dynamics_only).map_err(Failure::input)?;
+    put(args, made.text.as_bytes(), &reads)?;
     let (from, to) = (args.input.display(), args.output.display());
     let left: String = made.left_out.iter().map(|item| format!("left out: {item}\n")).collect();
     output::print(&format!(
@@ -83,8 +88,18 @@ fn body(args: &ConvertArgs) -> Result<(), Failure> {
     ))
 }
 
-fn extension(path: &Path) -> String {
-    path.extension().map(|e| e.to_string_lossy().to_lowercase()).unwrap_or_default()
+/// Checks that the output may be written, before anything is read.
+fn check(args: &ConvertArgs, reads: &[PathBuf]) -> Result<(), Failure> {
+    check_file(&args.output, overwrite(args), reads).map_err(|e| Failure::of(&e, e.is_input()))
+}
+
+/// Writes the output, whole or not at all; never over a file that was read.
+fn put(args: &ConvertArgs, bytes: &[u8], reads: &[PathBuf]) -> Result<(), Failure> {
+    write_file(&args.output, bytes, overwrite(args), reads).map_err(|e| Failure::of(&e, e.is_input()))
+}
+
+fn overwrite(args: &ConvertArgs) -> Overwrite {
+    if args.force { Overwrite::Allow } else { Overwrite::Refuse }
 }
 
 fn describe(clip: &Clip) -> String {

@@ -2,29 +2,24 @@
 
 use std::path::{Path, PathBuf};
 
-use crosscheck::{CrossCheck, CrossCheckError, Event, Options, report};
-use motion::format;
+use crosscheck::{CrossCheck, CrossCheckError, Event, Options, report, results};
 
 use crate::args::CrosscheckArgs;
 use crate::failure::Failure;
-use crate::output::{self, Output};
-use crate::progress::Progress;
-
-/// Files a cross-check may leave in its folder, besides figures.
-const OURS: &[&str] =
-    &["crosscheck.json", "crosscheck.html", "crosscheck.txt", "trace.npz", "mujoco/trace.npz"];
-/// Stems of its figures.
-const FIGURES: &[&str] = &["motion", "landing", "contact", "push"];
+use crate::output;
+use crate::progress::progress;
 
 /// Runs the command.
 ///
 /// # Errors
 /// Bad input, no MuJoCo, engines that fail, checks that fail.
 pub fn run(args: &CrosscheckArgs) -> Result<(), Failure> {
-    let mut progress = Progress::new();
+    let progress = progress();
     let stem = args.input.file_stem().map_or_else(|| "model".into(), |s| s.to_string_lossy().into_owned());
     let dir = args.out.clone().unwrap_or_else(|| Path::new("out").join(format!("{stem}-crosscheck")));
-    Output::check(&dir)?;
+    let reads: Vec<PathBuf> =
+        [&args.input].into_iter().chain(&args.patch).chain(&args.against).cloned().collect();
+    results::check(&dir, &reads)?;
     let options = Options {
         seed: args.seed,
         states: args.states,
@@ -46,9 +41,7 @@ pub fn run(args: &CrosscheckArgs) -> Result<(), Failure> {
     });
     let cross = done.map_err(failure)?;
     progress.part("writing");
-    let output = Output::replacing(&dir, ours())?;
-    write(&cross, output.dir())?;
-    output.finish()?;
+    results::write(&cross, &dir, &reads)?;
     drop(progress);
     let json = report::json(&cross);
     output::print(&if args.json { json } else { summary(&cross, &dir) })?;
@@ -71,35 +64,6 @@ fn failure(e: CrossCheckError) -> Failure {
     if e.is_input() { Failure::input(e) } else { Failure::run(e) }
 }
 
-fn write(cross: &CrossCheck, dir: &Path) -> Result<(), Failure> {
-    let file = |name: &str, text: &str| format::write(&dir.join(name), text.as_bytes()).map_err(Failure::run);
-    file("crosscheck.json", &report::json(cross))?;
-    file("crosscheck.txt", &report::text(cross))?;
-    file("crosscheck.html", &report::html(cross).map_err(Failure::run)?)?;
-    let made = |name: &str| {
-        let folder = dir.join(name);
-        std::fs::create_dir(&folder).map_err(|e| Failure::Run(format!("cannot write {name}: {e}")))?;
-        Ok::<PathBuf, Failure>(folder)
-    };
-    let figures = report::figures(cross);
-    if !figures.is_empty() {
-        let plots = made(output::PLOTS)?;
-        for (stem, figure) in figures {
-            figure.save(&plots, stem).map_err(Failure::run)?;
-        }
-    }
-    if let Some(scene) = &cross.scene {
-        let mujoco = made("mujoco")?;
-        for (trace, path) in [(&scene.ours, dir.join("trace.npz")), (&scene.theirs, mujoco.join("trace.npz"))]
-        {
-            trace
-                .save_npz(&path)
-                .map_err(|e| Failure::Run(format!("cannot write {}: {e}", path.display())))?;
-        }
-    }
-    Ok(())
-}
-
 fn summary(cross: &CrossCheck, dir: &Path) -> String {
     let (failed, all) = (cross.failed(), cross.checks.len());
     let verdict = match failed {
@@ -114,11 +78,4 @@ fn summary(cross: &CrossCheck, dir: &Path) -> String {
         cross.seed,
         page.display()
     )
-}
-
-fn ours() -> Vec<PathBuf> {
-    let figures = FIGURES
-        .iter()
-        .flat_map(|stem| ["svg", "png"].map(|kind| Path::new(output::PLOTS).join(format!("{stem}.{kind}"))));
-    OURS.iter().map(PathBuf::from).chain(figures).collect()
 }

@@ -3,11 +3,11 @@
 use std::fmt::Write;
 use std::path::Path;
 
-use motion::format;
-use scenes::character_file;
-use scenes::inspect::{
+use takes::character_file;
+use takes::inspect::{
     BodyInspection, ClipInspection, ElementInspection, Inspection, LinkInspection, SceneInspection, inspect,
 };
+use takes::results::folder::{Overwrite, write_file};
 
 use crate::args::InspectArgs;
 use crate::failure::Failure;
@@ -19,7 +19,7 @@ use crate::output;
 /// Bad input, a body that cannot be written.
 pub fn run(args: &InspectArgs) -> Result<(), Failure> {
     let path = args.input.display();
-    let is_clip = args.input.extension().is_some_and(|e| e.eq_ignore_ascii_case("bvh"));
+    let is_clip = formats::table::is_clip(&args.input);
     let option = args.clip.given().or(args.write_body.as_ref().map(|_| "--write-body"));
     if let Some(option) = option.filter(|_| !is_clip) {
         return Err(Failure::Input(format!("{option} is for clips (.bvh), not for {path}")));
@@ -49,7 +49,10 @@ pub fn run(args: &InspectArgs) -> Result<(), Failure> {
         let comment = format!(
             "A body guessed for {name}. Lengths in metres, masses in kilograms, angles in degrees.\nUse: contrapposto render {name} --body this-file.ron"
         );
-        format::write(file, character_file::write(&body, &comment).as_bytes()).map_err(Failure::run)?;
+        let overwrite = if args.force { Overwrite::Allow } else { Overwrite::Refuse };
+        let text_of_body = character_file::write(&body, &comment);
+        write_file(file, text_of_body.as_bytes(), overwrite, std::slice::from_ref(&args.input))
+            .map_err(|e| Failure::of(&e, e.is_input()))?;
         if !args.json {
             let _ = writeln!(text, "\nbody written to {}", file.display());
         }
@@ -122,7 +125,9 @@ fn write_clip(out: &mut String, c: &ClipInspection, path: &Path) -> std::fmt::Re
 }
 
 fn write_scene(out: &mut String, s: &SceneInspection) -> std::fmt::Result {
-    writeln!(out, "{}: {:.2} s at {} Hz, root {}", s.name, s.duration_s, s.rate_hz, s.root)?;
+    let length = s.duration_s.map_or_else(|| s.motion.clone(), |x| format!("{x:.2} s"));
+    let rate = s.rate_hz.map_or_else(|| "the motion's rate".into(), |x| format!("{x} Hz"));
+    writeln!(out, "{}: {length} at {rate}, root {}", s.name, s.root)?;
     if !s.planted.is_empty() {
         writeln!(out, "planted: {}", s.planted.join(", "))?;
     }

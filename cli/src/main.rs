@@ -8,20 +8,20 @@
 //! | [`args`], [`analysis_args`], [`retarget_args`] | the command line |
 //! | [`render`] | scene or clip to a folder of results |
 //! | [`summary`] | what `render` says at the end |
-//! | [`figures`] | which figures a run gets |
 //! | [`inspect`] | what is in a file |
 //! | [`mod@plot`] | a trace or a clip to figures |
 //! | [`analyze`] | a clip to the forces it needs |
 //! | [`analysis_text`] | what `analyze` says at the end |
-//! | [`drawing`] | the figures of `plot` and `analyze` |
+//! | [`engines`] | the engines to choose from |
 //! | [`mod@crosscheck`] | forces against MuJoCo |
 //! | [`push`] | how hard a standing body can be pushed |
-//! | [`tune`], [`tune_args`], [`tune_page`] | tension and balance chosen by a search |
+//! | [`tune`], [`tune_args`] | tension and balance chosen by a search |
 //! | [`sweep`] | the same over a grid, in parts |
 //! | [`mod@retarget`] | a human motion on a character |
-//! | [`retarget_figures`] | which figures that gets |
 //! | [`convert`] | one format to another |
-//! | [`output`] | all files or none |
+//! | [`library`] | names of the library; `library` and `new` |
+//! | [`output`] | text on standard output |
+//! | [`words`] | names of the libraries' enumerations as options |
 //! | [`progress`] | the bar |
 //! | [`failure`] | exit codes |
 
@@ -31,10 +31,10 @@ mod analyze;
 mod args;
 mod convert;
 mod crosscheck;
-mod drawing;
+mod engines;
 mod failure;
-mod figures;
 mod inspect;
+mod library;
 mod output;
 mod pareto;
 mod plot;
@@ -43,12 +43,11 @@ mod push;
 mod render;
 mod retarget;
 mod retarget_args;
-mod retarget_figures;
 mod summary;
 mod sweep;
 mod tune;
 mod tune_args;
-mod tune_page;
+mod words;
 
 use std::process::ExitCode;
 
@@ -57,7 +56,12 @@ use clap::Parser;
 use crate::args::{Cli, Command};
 
 fn main() -> ExitCode {
-    let done = match Cli::parse().command {
+    if let Err(e) = takes::results::folder::interrupt::install() {
+        // everything works without it, but Ctrl-C leaves temporary files behind
+        let _ = std::io::Write::write_fmt(&mut std::io::stderr(), format_args!("warning: {e}\n"));
+    }
+    let mut command = Cli::parse().command;
+    let done = library::resolve(&mut command).and_then(|()| match command {
         Command::Render(args) => render::run(&args),
         Command::Inspect(args) => inspect::run(&args),
         Command::Plot(args) => plot::run(&args),
@@ -67,7 +71,9 @@ fn main() -> ExitCode {
         Command::Tune(args) => tune::run(&args),
         Command::Retarget(args) => retarget::run(&args),
         Command::Convert(args) => convert::run(&args),
-    };
+        Command::Library(args) => library::run(&args),
+        Command::New(args) => library::new(&args),
+    });
     match done {
         Ok(()) => ExitCode::SUCCESS,
         Err(failure) => {

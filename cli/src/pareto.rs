@@ -1,86 +1,43 @@
 //! `render --pareto`: what a motion costs in help from outside, and what the help buys.
 
 use std::fmt::Write;
-use std::path::{Path, PathBuf};
-use std::sync::Mutex;
+use std::path::Path;
 
-use motion::format;
-use plots::TradePoint;
-use scenes::overrides::RootChoice;
-use scenes::pareto::{self, FIDELITIES, Pareto};
+use studies::pareto::{self, FIDELITIES, Pareto, results};
+use takes::overrides::RootChoice;
+use takes::results::number;
+use takes::{Ask, Overrides};
 
 use crate::args::RenderArgs;
+use crate::engines::engines;
 use crate::failure::Failure;
-use crate::output::{self, Output};
-use crate::progress::Progress;
-use crate::summary::number;
-
-/// The figure's stem.
-const FIGURE: &str = "pareto";
+use crate::output;
+use crate::progress::progress;
+use crate::render;
 
 /// Runs the curve; no fidelities are the default ones.
 ///
 /// # Errors
 /// Bad input, passes that cannot start, files that cannot be written.
 pub fn run(args: &RenderArgs, fidelities: &[f64]) -> Result<(), Failure> {
-    let mut progress = Progress::new();
+    let progress = progress();
     progress.part("staging");
-    // not pinned: a clip that stands is staged on planted feet
-    let overrides =
-        scenes::Overrides { root: Some(RootChoice::Free), ..args.overrides().map_err(Failure::input)? };
-    let stage = scenes::open_with(&args.input, args.body.as_deref(), &args.clip.import(), &overrides)
-        .map_err(Failure::input)?;
-    let stage = if args.no_edits { stage.without_edits() } else { stage };
-    let dir = args.out.clone().unwrap_or_else(|| Path::new("out").join(format!("{}-pareto", stage.name)));
-    Output::check(&dir)?;
+    let ask = render::ask(args)?;
+    // not pinned: a clip that stands is asked for on planted feet
+    let ask = Ask { overrides: Overrides { root: Some(RootChoice::Free), ..ask.overrides }, ..ask };
+    let take = takes::open(args.input.as_path(), &ask)?;
+    let dir = args.out.clone().unwrap_or_else(|| Path::new("out").join(format!("{}-pareto", take.name)));
+    let reads: Vec<_> = take.files.iter().cloned().chain(args.reads()).collect();
+    results::check(&dir, &reads)?;
+    let engines = engines();
+    let engine = take.engine(&engines)?;
     progress.part("performing");
-    let bar = Mutex::new(progress);
-    let tell = |done: f64| {
-        if let Ok(mut bar) = bar.lock() {
-            bar.at(done);
-        }
-    };
     let fidelities = if fidelities.is_empty() { &FIDELITIES[..] } else { fidelities };
-    let mut curve = pareto::pareto(&stage, fidelities, &tell).map_err(Failure::run)?;
-
-    let output = Output::replacing(&dir, ours())?;
-    if !args.no_plots {
-        let plots = output.dir().join(output::PLOTS);
-        std::fs::create_dir(&plots)
-            .map_err(|e| Failure::run(format!("cannot write {}: {e}", output::PLOTS)))?;
-        figure(&curve).save(&plots, FIGURE).map_err(Failure::run)?;
-        for kind in ["svg", "png"] {
-            curve.files.insert(format!("{FIGURE}_{kind}"), format!("{}/{FIGURE}.{kind}", output::PLOTS));
-        }
-    }
-    curve.files.insert("report_json".into(), "report.json".into());
-    let json = curve.to_json();
-    format::write(&output.dir().join("report.json"), json.as_bytes()).map_err(Failure::run)?;
-    output.finish()?;
-    drop(bar);
-    output::print(&if args.json { json } else { summary(&curve, &dir) })
-}
-
-fn figure(curve: &Pareto) -> plots::Figure {
-    let points: Vec<TradePoint> = curve
-        .points
-        .iter()
-        .map(|p| TradePoint {
-            fidelity: p.fidelity,
-            force_rms_percent: p.force_rms_percent_bw,
-            force_peak_percent: p.force_peak_percent_bw,
-            budget_percent: 100.0 * p.force_budget_n / curve.weight_n.max(1e-12),
-            error_mm: p.position_rms_mm,
-            error_deg: p.joint_rms_deg,
-            stands: p.stands(),
-        })
-        .collect();
-    let note = format!(
-        "{}: {:.1} kg. Fidelity x allows the root x² of the body weight ({:.0} N) in help from outside. Numbers at the \
-         dots are fidelities.",
-        curve.scene, curve.mass_kg, curve.weight_n
-    );
-    plots::trade_off(&points, &note)
+    let mut curve = pareto::pareto(&take, fidelities, engine, &|x| progress.at(x)).map_err(Failure::run)?;
+    let undrawn = curve.write(&dir, !args.no_plots, &reads, &progress)?;
+    drop(progress);
+    output::print(&if args.json { curve.to_json() } else { summary(&curve, &dir) })?;
+    output::undrawn(&undrawn, &dir)
 }
 
 fn summary(curve: &Pareto, dir: &Path) -> String {
@@ -126,10 +83,4 @@ fn write(out: &mut String, curve: &Pareto, dir: &Path) -> std::fmt::Result {
     }
     let files: Vec<String> = curve.files.values().map(|f| dir.join(f).display().to_string()).collect();
     writeln!(out, "\n  files      {}", files.join("\n             "))
-}
-
-/// Every file a curve may leave, relative to its folder.
-fn ours() -> Vec<PathBuf> {
-    let figure = ["svg", "png"].map(|kind| Path::new(output::PLOTS).join(format!("{FIGURE}.{kind}")));
-    figure.into_iter().chain([PathBuf::from("report.json")]).collect()
 }

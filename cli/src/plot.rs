@@ -3,87 +3,67 @@
 use std::path::{Path, PathBuf};
 
 use motion::names;
-use scenes::study;
-use serde_json::json;
+use motion::names::Word;
+use takes::results::analysis_figures::{AnalysisFigure, Drawing};
+use takes::results::analysis_write::{FigurePlace, figures_json, write_figures};
+use takes::results::folder::Overwrite;
+use takes::{AnalysisInput, AnalysisSource, analysis};
 
-use crate::args::{PlotArgs, What};
-use crate::drawing::Drawing;
+use crate::args::{Pick, PlotArgs};
 use crate::failure::Failure;
-use crate::output::{self, Output};
-use crate::progress::Progress;
+use crate::output;
+use crate::progress::progress;
 
 /// Runs the command.
 ///
 /// # Errors
 /// Bad input, files that cannot be written.
 pub fn run(args: &PlotArgs) -> Result<(), Failure> {
-    let mut progress = Progress::new();
+    let progress = progress();
     progress.part("reading");
-    let study = study::open(&args.input, args.dynamics.body.as_deref(), &args.clip.import())
+    let motion = analysis::open(&args.input, args.dynamics.body.as_deref(), &args.clip.import())
         .map_err(Failure::input)?;
-    refuse_clip_options(&args.input, &study, args)?;
+    refuse_clip_options(&args.input, &motion, args)?;
     progress.part("analysing");
-    let analysis = study.analyze(&args.dynamics.options());
+    let analysis = motion.analyze(&args.dynamics.options());
     let analysis = analysis.as_ref().map_err(ToString::to_string);
-    let mut drawing = Drawing::new(&study, analysis, &args.dynamics, args.mujoco.as_deref())?;
+    let sink_m = 1e-3 * args.dynamics.sink_mm;
+    let mut drawing =
+        Drawing::new(&motion, analysis, sink_m, args.mujoco.as_deref()).map_err(Failure::input)?;
     select(&mut drawing, args)?;
-    let (whats, left_out) = whats(&drawing, args)?;
+    let (figures, left_out) = figures(&drawing, args)?;
+    let place = place(args, &motion, &figures)?;
     progress.part("drawing");
-    let target = Target::of(args, &study, &whats)?;
-    let mut figures = Vec::new();
-    let mut said = String::new();
-    let output = match &target {
-        Target::Folder(dir) => Some(Output::replacing(dir, Vec::new())?),
-        Target::File(_) => None,
-    };
-    for (i, &what) in whats.iter().enumerate() {
-        let (figure, numbers) = drawing.draw(what);
-        let files = match (&target, &output) {
-            (Target::Folder(dir), Some(output)) => {
-                let made = figure.save(output.dir(), what.stem()).map_err(Failure::run)?;
-                made.map(|path| dir.join(path.file_name().unwrap_or_default())).to_vec()
-            }
-            (Target::Folder(path) | Target::File(path), _) => {
-                let svg = extension(path) == "svg";
-                let saved = if svg { figure.save_svg(path) } else { figure.save_png(path) };
-                saved.map_err(Failure::run)?;
-                vec![path.clone()]
-            }
-        };
-        let names: Vec<String> = files.iter().map(|f| f.display().to_string()).collect();
-        said += &format!("{:<10}{}\n", what.stem(), names.join(", "));
-        figures.push(json!({ "what": what.stem(), "files": names, "numbers": numbers }));
-        progress.at((i + 1) as f64 / whats.len() as f64);
-    }
-    if let Some(output) = output {
-        output.finish()?;
-    }
+    let overwrite = if args.force { Overwrite::Allow } else { Overwrite::Refuse };
+    let reads: Vec<PathBuf> = [&args.input, &motion.path].into_iter().chain(&args.mujoco).cloned().collect();
+    let (drawn, undrawn) = write_figures(&drawing, &figures, &place, overwrite, &reads, &progress)?;
     drop(progress);
-    for why in &left_out {
-        said += &format!("left out: {why}\n");
-    }
-    output::print(&match args.json {
-        false => said,
-        true => {
-            let value = json!({
-                "name": study.name,
-                "source": study.source.name(),
-                "figures": figures,
-                "left_out": left_out,
-            });
-            serde_json::to_string_pretty(&value).map_err(Failure::run)? + "\n"
+    let text = if args.json {
+        let value = figures_json(&motion, &drawn, &left_out);
+        serde_json::to_string_pretty(&value).map_err(Failure::run)? + "\n"
+    } else {
+        let mut text = String::new();
+        for figure in &drawn {
+            let names: Vec<String> = figure.files.iter().map(|f| f.display().to_string()).collect();
+            text += &format!("{:<10}{}\n", figure.figure.word(), names.join(", "));
         }
-    })
+        text + &left_out.iter().map(|why| format!("left out: {why}\n")).collect::<String>()
+    };
+    output::print(&text)?;
+    let dir = match &place {
+        FigurePlace::Beside(dir) | FigurePlace::Folder(dir) | FigurePlace::File(dir) => dir,
+    };
+    output::undrawn(&undrawn, dir)
 }
 
 /// Refuses options of clips where they would do nothing.
-fn refuse_clip_options(input: &Path, study: &scenes::Study, args: &PlotArgs) -> Result<(), Failure> {
-    clip_options(input, study, args.clip.given(), args.dynamics.body.is_some())?;
-    match (&args.mujoco, study.recorded()) {
+fn refuse_clip_options(input: &Path, motion: &AnalysisInput, args: &PlotArgs) -> Result<(), Failure> {
+    clip_options(input, motion, args.clip.given(), args.dynamics.body.is_some())?;
+    match (&args.mujoco, motion.recorded()) {
         (Some(_), None) => Err(Failure::Input(format!(
             "--mujoco is for traces; {} is a {}, which no engine has run",
             input.display(),
-            study.source.name()
+            motion.source.name()
         ))),
         _ => Ok(()),
     }
@@ -92,13 +72,13 @@ fn refuse_clip_options(input: &Path, study: &scenes::Study, args: &PlotArgs) -> 
 /// Refuses `--units` and the like, and `--body`, for anything but a clip.
 pub fn clip_options(
     input: &Path,
-    study: &scenes::Study,
+    motion: &AnalysisInput,
     given: Option<&'static str>,
     body: bool,
 ) -> Result<(), Failure> {
     let option = given.or(body.then_some("--body"));
-    match (&study.source, option) {
-        (scenes::StudySource::Clip(_), _) | (_, None) => Ok(()),
+    match (&motion.source, option) {
+        (AnalysisSource::Clip(_), _) | (_, None) => Ok(()),
         (source, Some(option)) => Err(Failure::Input(format!(
             "{option} is for clips (.bvh); {} is a {}, which has its own body",
             input.display(),
@@ -146,57 +126,46 @@ fn select(drawing: &mut Drawing, args: &PlotArgs) -> Result<(), Failure> {
 }
 
 /// The figures to draw in order, and why others of `all` are left out.
-fn whats(drawing: &Drawing, args: &PlotArgs) -> Result<(Vec<What>, Vec<String>), Failure> {
-    let all = args.what.contains(&What::All);
-    let mut whats = Vec::new();
+fn figures(drawing: &Drawing, args: &PlotArgs) -> Result<(Vec<AnalysisFigure>, Vec<String>), Failure> {
+    let all = args.what.contains(&Pick::All);
+    let mut figures = Vec::new();
     let mut left_out = Vec::new();
-    for what in What::EACH {
-        let asked = args.what.contains(&what);
-        match drawing.has(what) {
-            Ok(()) if asked || all => whats.push(what),
-            Err(why) if asked => return Err(Failure::Input(format!("--what {}: {why}", what.stem()))),
+    for figure in AnalysisFigure::all() {
+        let asked = args.what.contains(&Pick::One(figure));
+        match drawing.has(figure) {
+            Ok(()) if asked || all => figures.push(figure),
+            Err(why) if asked => return Err(Failure::Input(format!("--what {}: {why}", figure.word()))),
             Err(why) if all => left_out.push(why),
             _ => {}
         }
     }
-    Ok((whats, left_out))
+    Ok((figures, left_out))
 }
 
 /// Where figures go.
-enum Target {
-    Folder(PathBuf),
-    File(PathBuf),
-}
-
-impl Target {
-    fn of(args: &PlotArgs, study: &scenes::Study, whats: &[What]) -> Result<Self, Failure> {
-        let Some(out) = &args.out else {
-            let beside = study.recorded().and_then(|_| study.path.parent());
-            return Ok(Self::Folder(match beside {
-                Some(folder) => folder.join(output::PLOTS),
-                None => Path::new("out").join(&study.name).join(output::PLOTS),
-            }));
-        };
-        match extension(out).as_str() {
-            "svg" | "png" if whats.len() == 1 => {
-                if let Some(folder) = out.parent().filter(|f| !f.as_os_str().is_empty()) {
-                    std::fs::create_dir_all(folder)
-                        .map_err(|e| Failure::run(format!("cannot write into {}: {e}", folder.display())))?;
-                }
-                Ok(Self::File(out.clone()))
-            }
-            kind @ ("svg" | "png") => Err(Failure::Input(format!(
-                "--out {} is one .{kind} file, but there are {} figures; allowed: one --what, or a folder",
-                out.display(),
-                whats.len()
-            ))),
-            "" => Ok(Self::Folder(out.clone())),
-            _ if out.is_dir() => Ok(Self::Folder(out.clone())),
-            other => Err(Failure::Input(format!(
-                "--out {}: cannot write .{other}; allowed: .svg, .png, or a folder",
-                out.display()
-            ))),
-        }
+fn place(
+    args: &PlotArgs,
+    motion: &AnalysisInput,
+    figures: &[AnalysisFigure],
+) -> Result<FigurePlace, Failure> {
+    let Some(out) = &args.out else {
+        let beside = motion.recorded().and_then(|_| motion.path.parent());
+        let own = || Path::new("out").join(&motion.name);
+        return Ok(FigurePlace::Beside(beside.map_or_else(own, Path::to_owned)));
+    };
+    match extension(out).as_str() {
+        "svg" | "png" if figures.len() == 1 => Ok(FigurePlace::File(out.clone())),
+        kind @ ("svg" | "png") => Err(Failure::Input(format!(
+            "--out {} is one .{kind} file, but there are {} figures; allowed: one --what, or a folder",
+            out.display(),
+            figures.len()
+        ))),
+        "" => Ok(FigurePlace::Folder(out.clone())),
+        _ if out.is_dir() => Ok(FigurePlace::Folder(out.clone())),
+        other => Err(Failure::Input(format!(
+            "--out {}: cannot write .{other}; allowed: .svg, .png, or a folder",
+            out.display()
+        ))),
     }
 }
 

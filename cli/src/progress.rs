@@ -3,19 +3,20 @@
 use std::time::{Duration, Instant};
 
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
+use takes::{Event, Progress};
 
 /// Before this much time has passed nothing is shown.
 const PATIENCE: Duration = Duration::from_secs(1);
 const STEPS: u64 = 1000;
 
 /// The bar of a whole command.
-pub struct Progress {
+pub struct Bar {
     started: Instant,
     bar: Option<ProgressBar>,
     what: &'static str,
 }
 
-impl Progress {
+impl Bar {
     /// Begins to count time.
     pub fn new() -> Self {
         Self { started: Instant::now(), bar: None, what: "" }
@@ -46,10 +47,20 @@ impl Progress {
     }
 }
 
-impl Drop for Progress {
+impl Drop for Bar {
     fn drop(&mut self) {
         if let Some(bar) = &self.bar {
             bar.finish_and_clear();
         }
     }
+}
+
+/// A bar that shows the events of a long call. Notes are printed above it.
+pub fn progress() -> Progress<'static> {
+    let mut bar = Bar::new();
+    Progress::new(move |event| match event {
+        Event::Part(name) => bar.part(name),
+        Event::Fraction(fraction) => bar.at(fraction),
+        Event::Note(text) => eprintln!("{text}"),
+    })
 }

@@ -3,22 +3,18 @@
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
 
-use motion::Clip;
-use motion::format::{self, bvh, glb};
-use scenes::retarget::{Options, Retargeted};
-use scenes::retargeting::{
-    self, Actor, Performance, RetargetReport, RetargetingError, Session, compare, contact_file, study,
-};
+use motion::names::Word;
+use studies::retarget::{StudiedReport, compare, results, study};
+use takes::results::number;
+use takes::results::write::PLOTS;
+use takes::retarget::{Options, PipelineStage};
+use takes::retargeting::{self, Actor, Performance, RetargetReport, RetargetingError, Session};
 
 use crate::args::RetargetArgs;
 use crate::failure::Failure;
-use crate::output::{self, Output};
-use crate::progress::Progress;
-use crate::retarget_figures as figures;
-use crate::summary::{line, number};
-
-/// Metres in one unit of the BVH files written: centimetres.
-const UNIT: f64 = 0.01;
+use crate::output;
+use crate::progress::progress;
+use crate::summary::line;
 
 /// Runs the command.
 ///
@@ -34,27 +30,28 @@ pub fn run(args: &RetargetArgs) -> Result<(), Failure> {
     if !args.guess.is_empty() {
         return guess(args);
     }
-    let mut progress = Progress::new();
+    let progress = progress();
     progress.part("reading");
     let performance = performance(args)?;
     let session = Session::of(performance, &args.to, args.keyposes.as_deref()).map_err(failure)?;
-    let name = format!("{}-{}", session.performance.name, session.actor.file.character.name);
-    let dir = args.out.clone().unwrap_or_else(|| Path::new("out").join(&name));
-    Output::check(&dir)?;
-
+    let dir = args.out.clone().unwrap_or_else(|| Path::new("out").join(session.name()));
+    let reads = reads(args, &session);
     if args.sheet {
-        return sheet(&session, &dir);
+        let files = results::write_sheet(&session, &dir)?;
+        return output::print(&files.iter().map(|f| format!("{}\n", f.display())).collect::<String>());
     }
+    results::check(&dir, &reads)?;
+
     progress.part("mapping");
     let mut options = Options {
-        model: args.model.model(),
-        stop_after: args.stop_after.stage(),
+        model: args.model,
+        stop_after: args.stop_after,
         rate_hz: args.rate,
         sway: !args.no_sway,
         ..Options::default()
     };
     options.global.size = args.size_ratio;
-    options.refine.dofs = args.refine.0.clone();
+    options.refine.dofs = args.refine.clone();
     if let Some(path) = &args.contacts {
         options.contact.phases = Some(session.contacts(path).map_err(failure)?);
     }
@@ -64,7 +61,8 @@ pub fn run(args: &RetargetArgs) -> Result<(), Failure> {
         Some(n) => session.suggest(&mapping, &done, n).map_err(failure)?,
         None => Vec::new(),
     };
-    let mut report = RetargetReport::new(&session, options.model, &done, suggested);
+    let run = RetargetReport::new(&session, options.model, &done, suggested);
+    let mut report = StudiedReport { run, models: Vec::new(), study: None };
     if args.compare {
         progress.part("comparing");
         report.models = compare::compare(&session, &options).map_err(failure)?;
@@ -73,31 +71,17 @@ pub fn run(args: &RetargetArgs) -> Result<(), Failure> {
         progress.part("studying");
         report.study = Some(study::study(&session, &done.human).map_err(failure)?);
     }
-
-    progress.part("writing");
-    let output = Output::replacing(&dir, ours())?;
-    let mut folder = Folder { dir: output.dir().to_owned(), report: &mut report };
-    folder.write(&session, &done, &name)?;
-    if !args.no_plots {
-        progress.part("drawing");
-        let plots = folder.dir.join(output::PLOTS);
-        std::fs::create_dir(&plots).map_err(|e| Failure::Run(format!("cannot write plots: {e}")))?;
-        let drawn = folder.report.clone();
-        figures::draw(&session, &drawn, &done, &mut |stem, figure, share| {
-            figure.save(&plots, stem).map_err(Failure::run)?;
-            for kind in ["svg", "png"] {
-                folder.add(&format!("{stem}_{kind}"), &format!("{}/{stem}.{kind}", output::PLOTS));
-            }
-            progress.at(share);
-            Ok(())
-        })?;
-    }
-    folder.add("report_json", "report.json");
-    let json = report.to_json();
-    format::write(&output.dir().join("report.json"), json.as_bytes()).map_err(Failure::run)?;
-    output.finish()?;
+    let undrawn = results::write(&session, &done, &mut report, &dir, !args.no_plots, &reads, &progress)?;
     drop(progress);
-    output::print(&if args.json { json } else { summary(&report, &dir) })
+    output::print(&if args.json { report.to_json() } else { summary(&report, &dir) })?;
+    output::undrawn(&undrawn, &dir)
+}
+
+/// Files that were read, and so are never replaced.
+fn reads(args: &RetargetArgs, session: &Session) -> Vec<PathBuf> {
+    let named = [&args.input, &args.to, &session.key_poses.path];
+    let named = named.into_iter().chain(&args.body).chain(&args.contacts);
+    named.cloned().collect()
 }
 
 /// The human motion.
@@ -117,71 +101,24 @@ fn guess(args: &RetargetArgs) -> Result<(), Failure> {
     output::print(&text)
 }
 
-/// Draws the key poses.
-fn sheet(session: &Session, dir: &Path) -> Result<(), Failure> {
-    let plots = dir.join(output::PLOTS);
-    std::fs::create_dir_all(&plots)
-        .map_err(|e| Failure::Run(format!("cannot make {}: {e}", plots.display())))?;
-    let files = figures::key_poses(session).save(&plots, "key_poses").map_err(Failure::run)?;
-    output::print(&files.map(|f| format!("{}\n", f.display())).concat())
-}
-
-/// All faults of a request are of its input: nothing is random, and nothing outside is asked.
+/// Every error is one of the input: the pipeline is deterministic and uses no other program.
 fn failure(e: RetargetingError) -> Failure {
     Failure::input(e)
 }
 
-/// Files of this command; those not written anew are removed.
-fn ours() -> Vec<PathBuf> {
-    let files =
-        ["retargeted.bvh", "retargeted.glb", "human.bvh", "contacts.ron", "report.json"].map(PathBuf::from);
-    let kinds =
-        |stem: &str| ["svg", "png"].map(|kind| Path::new(output::PLOTS).join(format!("{stem}.{kind}")));
-    files.into_iter().chain(figures::STEMS.iter().flat_map(|stem| kinds(stem))).collect()
-}
-
-struct Folder<'a> {
-    dir: PathBuf,
-    report: &'a mut RetargetReport,
-}
-
-impl Folder<'_> {
-    fn add(&mut self, what: &str, name: &str) -> PathBuf {
-        self.report.files.insert(what.into(), name.into());
-        self.dir.join(name)
-    }
-
-    fn bvh(&mut self, stem: &str, clip: &Clip) -> Result<(), Failure> {
-        let path = self.add(&format!("{stem}_bvh"), &format!("{stem}.bvh"));
-        let options = bvh::WriteOptions { metres_per_unit: UNIT, ..Default::default() };
-        bvh::write_file(&path, clip, &options).map_err(Failure::run)
-    }
-
-    fn write(&mut self, session: &Session, done: &Retargeted, name: &str) -> Result<(), Failure> {
-        self.bvh("retargeted", &done.clip)?;
-        self.bvh("human", &done.human)?;
-        if done.contact.is_some() {
-            let path = self.add("contacts_ron", "contacts.ron");
-            let text = contact_file::text(&session.actor.puppet, &done.phases);
-            format::write(&path, text.as_bytes()).map_err(Failure::run)?;
-        }
-        let path = self.add("retargeted_glb", "retargeted.glb");
-        let stage = session.stage(done);
-        glb::write_file(&path, &done.clip, &stage.solids(), &stage.colors, name).map_err(Failure::run)
-    }
-}
-
-fn summary(r: &RetargetReport, dir: &Path) -> String {
+fn summary(studied: &StudiedReport, dir: &Path) -> String {
     let mut out = String::new();
     // writing to a String cannot fail
-    let _ = write(&mut out, r, dir);
+    let _ = write(&mut out, studied, dir);
     out
 }
 
-fn write(out: &mut String, r: &RetargetReport, dir: &Path) -> std::fmt::Result {
-    let stages: String = match r.stopped_after {
-        "refine" => "mapped, moved, put on the ground, refined".into(),
-        stage => format!("stopped after {stage}"),
+fn write(out: &mut String, studied: &StudiedReport, dir: &Path) -> std::fmt::Result {
+    let r = &studied.run;
+    let stages = if r.stopped_after == PipelineStage::Refine.word() {
+        "mapped, moved, put on the ground, refined".into()
+    } else {
+        format!("stopped after {}", r.stopped_after)
     };
     writeln!(out, "{} for the {}: {stages}", r.performance, r.character)?;
     let text = format!("{:.2} s, {} frames at {} Hz", r.duration_s, r.frames, number(r.rate_hz));
@@ -251,9 +188,9 @@ fn write(out: &mut String, r: &RetargetReport, dir: &Path) -> std::fmt::Result {
         let text = format!("{:.3} s, confidence {:.0} %", s.at_s, 100.0 * s.confidence);
         line(out, if i == 0 { "next pose" } else { "" }, text)?;
     }
-    if !r.models.is_empty() {
+    if !studied.models.is_empty() {
         line(out, "models", "error at key poses: learned, left out one by one, left out by performance")?;
-        for m in &r.models {
+        for m in &studied.models {
             let text = format!(
                 "  {:<6} {:>5.1}°  {:>5.1}°  {:>5.1}°   jerk × {:.2}",
                 m.model, m.learned_deg, m.left_out_deg, m.performance_left_out_deg, m.jerk_ratio
@@ -261,12 +198,12 @@ fn write(out: &mut String, r: &RetargetReport, dir: &Path) -> std::fmt::Result {
             line(out, "", text)?;
         }
     }
-    if let Some(s) = &r.study {
+    if let Some(s) = &studied.study {
         write_study(out, s)?;
     }
-    let mut files: Vec<&String> = r.files.values().filter(|f| !f.starts_with(output::PLOTS)).collect();
-    let plots = format!("{}/", output::PLOTS);
-    if r.files.values().any(|f| f.starts_with(output::PLOTS)) {
+    let mut files: Vec<&String> = r.files.values().filter(|f| !f.starts_with(PLOTS)).collect();
+    let plots = format!("{}/", PLOTS);
+    if r.files.values().any(|f| f.starts_with(PLOTS)) {
         files.push(&plots);
     }
     for (i, name) in files.iter().enumerate() {

@@ -2,77 +2,24 @@
 
 use std::path::PathBuf;
 
-use clap::{Args, ValueEnum};
-use scenes::retarget::{MappingModel, RefineDofs, SizeRatio, Stage};
+use clap::Args;
+use motion::names::Word;
+use takes::retarget::{MappingModel, PipelineStage, RefineDofs, SizeRatio, SizeRatioName};
 
 use crate::args::{ClipArgs, frame_rate, whole};
-
-/// The statistical model of `retarget`.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
-pub enum ModelChoice {
-    /// Shared Gaussian-process latent-variable model
-    #[default]
-    Gplvm,
-    /// Gaussian-process regression
-    Gp,
-    /// Principal components and a linear map
-    Pca,
-    /// Mean of the three nearest key poses
-    Nn3,
-    /// Mean of the ten nearest key poses
-    Nn10,
-}
-
-impl ModelChoice {
-    /// The same as the pipeline takes it.
-    pub fn model(self) -> MappingModel {
-        match self {
-            Self::Gplvm => MappingModel::Gplvm,
-            Self::Gp => MappingModel::Gp,
-            Self::Pca => MappingModel::Pca,
-            Self::Nn3 => MappingModel::Nn3,
-            Self::Nn10 => MappingModel::Nn10,
-        }
-    }
-}
-
-/// A stage of `retarget`.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
-pub enum StopAfter {
-    /// Poses, in place
-    Map,
-    /// Travel and turning, by momentum
-    Global,
-    /// Contact points held on the ground
-    Contact,
-    /// Forces that a ground can give
-    #[default]
-    Refine,
-}
-
-impl StopAfter {
-    /// The same as the pipeline takes it.
-    pub fn stage(self) -> Stage {
-        match self {
-            Self::Map => Stage::Map,
-            Self::Global => Stage::Global,
-            Self::Contact => Stage::Contact,
-            Self::Refine => Stage::Refine,
-        }
-    }
-}
+use crate::words::word;
 
 /// Arguments of `retarget`.
 #[derive(Debug, Args)]
 #[command(after_help = RETARGET_EXAMPLES)]
 pub struct RetargetArgs {
-    /// Human motion: a scene of a human figure (.ron) or a motion-capture clip (.bvh)
+    /// Human motion: a scene of a human figure (.ron, or a name of the library) or a motion-capture clip (.bvh)
     #[arg(value_name = "PERFORMANCE.ron|CLIP.bvh")]
     pub input: PathBuf,
-    /// Character file of the body that gets it
+    /// Character file of the body that gets it, or a name of the library
     #[arg(long, value_name = "CHARACTER.ron")]
     pub to: PathBuf,
-    /// Key poses to learn from [default: keyposes/NAME.ron beside the folder of the character]
+    /// Key poses to learn from, a file or a name of the library [default: keyposes/NAME.ron beside the folder of the character]
     #[arg(long, value_name = "FILE.ron")]
     pub keyposes: Option<PathBuf>,
     /// Character file for a clip's own body, instead of a guessed one
@@ -82,17 +29,18 @@ pub struct RetargetArgs {
     #[arg(long, value_name = "FILE.ron")]
     pub contacts: Option<PathBuf>,
     /// How poses are mapped
-    #[arg(long, value_enum, default_value_t)]
-    pub model: ModelChoice,
+    #[arg(long, value_parser = word::<MappingModel>(), default_value = MappingModel::default().word())]
+    pub model: MappingModel,
     /// The last stage
-    #[arg(long, value_enum, default_value_t)]
-    pub stop_after: StopAfter,
-    /// How distances of travel scale: `stride` (the paper's ratio, but no longer than legs can step), `paper`, or a number
-    #[arg(long, value_name = "RATIO", value_parser = size_ratio, default_value = "stride", allow_negative_numbers = true)]
+    #[arg(long, value_parser = word::<PipelineStage>(), default_value = PipelineStage::default().word())]
+    pub stop_after: PipelineStage,
+    /// How distances of travel scale: `stride` (the paper's ratio, but no longer than legs can step), `paper`, `uniform`
+    /// (the mean of depth and width), or a number
+    #[arg(long, value_name = "RATIO", default_value = SizeRatioName::Stride.word(), allow_negative_numbers = true)]
     pub size_ratio: SizeRatio,
     /// What the refinement may move: `height` of the root, `root`, `legs` (root and legs), or links by name
-    #[arg(long, value_name = "height|root|legs|LINK,…", value_parser = refined, default_value = "height")]
-    pub refine: Refined,
+    #[arg(long, value_name = "height|root|legs|LINK,…", default_value = "height")]
+    pub refine: RefineDofs,
     /// Leave parts that can follow by dynamics, such as a tail, where the key poses have them
     #[arg(long)]
     pub no_sway: bool,
@@ -133,7 +81,7 @@ pub struct RetargetArgs {
 const RETARGET_EXAMPLES: &str = "\
 Examples:
   contrapposto retarget scenes/performances/anger.ron --to scenes/characters/lamp.ron
-  contrapposto retarget walk.bvh --to scenes/characters/penguin.ron --rate 30
+  contrapposto retarget walk.bvh --to penguin --rate 30
   contrapposto retarget scenes/performances/fear.ron --to scenes/characters/squirrel.ron --model nn3 --stop-after map
   contrapposto retarget scenes/performances/dance.ron --to scenes/characters/penguin.ron --refine legs
   contrapposto retarget walk.bvh --to scenes/characters/squirrel.ron --size-ratio 0.2 --refine chest,spine --no-sway
@@ -154,34 +102,6 @@ Give the result a dynamic pass with
   contrapposto render DIR/retargeted.bvh --body CHARACTER.ron --units 0.01 --up y
 
 Same input, same bytes.";
-
-/// What the refinement may move.
-#[derive(Clone, Debug)]
-pub struct Refined(pub RefineDofs);
-
-fn refined(text: &str) -> Result<Refined, String> {
-    let names: Vec<String> = text.split(',').map(|s| s.trim().to_owned()).collect();
-    if names.iter().any(String::is_empty) {
-        return Err("an empty name; allowed: height, root, legs, or links of the character".into());
-    }
-    Ok(Refined(match text {
-        "height" => RefineDofs::RootHeight,
-        "root" => RefineDofs::Root,
-        "legs" => RefineDofs::RootAndLegs,
-        _ => RefineDofs::Links(names),
-    }))
-}
-
-fn size_ratio(text: &str) -> Result<SizeRatio, String> {
-    match text {
-        "stride" => Ok(SizeRatio::Stride),
-        "paper" => Ok(SizeRatio::PerAxis),
-        _ => match text.parse::<f64>() {
-            Ok(x) if x > 0.0 && x.is_finite() => Ok(SizeRatio::Fixed(x)),
-            _ => Err("allowed: stride, paper, or a positive number".into()),
-        },
-    }
-}
 
 fn suggestions(text: &str) -> Result<usize, String> {
     whole(text, 1, 100)

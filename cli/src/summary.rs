@@ -3,24 +3,27 @@
 use std::fmt::Write;
 use std::path::Path;
 
-use scenes::disturbance_report::{DisturbanceReport, LegTensionReport};
-use scenes::report::{DynamicReport, FeetReport, StiffnessReport};
-use scenes::{Report, Stage};
-
-use crate::output::PLOTS;
+use motion::names::Word;
+use takes::overrides::RootName;
+use takes::results::disturbance_report::{DisturbanceReport, LegTensionReport};
+use takes::results::dynamic_report::{DynamicReport, StiffnessReport};
+use takes::results::feet::FeetReport;
+use takes::results::number;
+use takes::results::write::PLOTS;
+use takes::{Report, RootMode, Take};
 
 /// Joints named as sagging.
 const SAGGING: usize = 5;
 
 /// The summary of a run whose files are in `dir`.
-pub fn of(stage: &Stage, report: &Report, dir: &Path) -> String {
+pub fn of(take: &Take, report: &Report, dir: &Path) -> String {
     let mut out = String::new();
     // writing to a String cannot fail
-    let _ = write(&mut out, stage, report, dir);
+    let _ = write(&mut out, take, report, dir);
     out
 }
 
-fn write(out: &mut String, stage: &Stage, report: &Report, dir: &Path) -> std::fmt::Result {
+fn write(out: &mut String, take: &Take, report: &Report, dir: &Path) -> std::fmt::Result {
     writeln!(out, "{}", verdict(report))?;
     let c = &report.character;
     line(
@@ -39,8 +42,9 @@ fn write(out: &mut String, stage: &Stage, report: &Report, dir: &Path) -> std::f
         "body",
         format!("{}: {} links, {} degrees of freedom, {:.1} kg", c.name, c.links, c.dof, c.mass_kg),
     )?;
-    if let Some(source) = &stage.clip {
-        for (i, text) in source.import.to_string().lines().enumerate() {
+    if let Some(source) = take.clip_source() {
+        let read = source.import.as_ref().map(ToString::to_string).unwrap_or_default();
+        for (i, text) in read.lines().enumerate() {
             line(out, if i == 0 { "clip" } else { "" }, text)?;
         }
         if let Some(body) = &source.body {
@@ -65,7 +69,7 @@ fn write(out: &mut String, stage: &Stage, report: &Report, dir: &Path) -> std::f
     if let Some(d) = &report.dynamic {
         performed(out, d)?;
     }
-    if stage.physics.root != scenes::RootMode::Pinned {
+    if take.conditions.physics.root != RootMode::Pinned {
         spans(out, report)?;
     }
     let (figures, mut files): (Vec<&String>, Vec<&String>) =
@@ -120,7 +124,9 @@ fn verdict(report: &Report) -> String {
                 let cause = cause.map_or(String::new(), |c| format!(": {}", c.text));
                 format!("{name}: THE BODY FELL at {at:.2} s{cause}")
             }
-            (None, None) if d.root.mode == "pinned" => format!("{name}: performed, root pinned"),
+            (None, None) if d.root.mode == RootName::Pinned.word() => {
+                format!("{name}: performed, root pinned")
+            }
             (None, None) => format!("{name}: performed, the body stands"),
         },
     }
@@ -177,7 +183,7 @@ fn spans(out: &mut String, report: &Report) -> std::fmt::Result {
         let label = if i == 0 { "spans" } else { "" };
         line(out, label, format!("{:>6.2} ..{:>6.2} s  {text}", span.from_s, span.to_s))?;
     }
-    let falls = report.dynamic.as_ref().is_some_and(|d| d.root.mode == "free");
+    let falls = report.dynamic.as_ref().is_some_and(|d| d.root.mode == RootName::Free.word());
     if falls && !spans.iter().any(|s| s.stands) {
         line(
             out,
@@ -190,8 +196,9 @@ fn spans(out: &mut String, report: &Report) -> std::fmt::Result {
 
 fn performed(out: &mut String, d: &DynamicReport) -> std::fmt::Result {
     let r = &d.root;
-    let held = match r.mode.as_str() {
-        "free" => "free: nothing but muscles and contacts".into(),
+    let free = r.mode == RootName::Free.word();
+    let held = match r.mode {
+        mode if free => format!("{mode}: nothing but muscles and contacts"),
         mode => format!(
             "{mode}: force {:.1} N RMS ({:.1} % of body weight), {:.1} N peak ({:.1} %), {:.1} N·s in all",
             r.residual_force_rms_n,
@@ -202,7 +209,7 @@ fn performed(out: &mut String, d: &DynamicReport) -> std::fmt::Result {
         ),
     };
     line(out, "root", held)?;
-    if r.mode != "free" {
+    if !free {
         let text = format!(
             "moment {:.1} N·m RMS, {:.1} N·m peak, {:.1} N·m·s in all",
             r.residual_moment_rms_nm, r.residual_moment_peak_nm, r.moment_impulse_nms
@@ -220,7 +227,7 @@ fn performed(out: &mut String, d: &DynamicReport) -> std::fmt::Result {
         );
         line(out, "", text)?;
     }
-    if r.mode == "free" {
+    if free {
         let text = format!(
             "unexplained force {:.2} N RMS ({:.3} % of body weight), {:.1} N peak",
             r.residual_force_rms_n, r.residual_force_rms_percent_bw, r.residual_force_peak_n
@@ -340,10 +347,4 @@ fn feet(f: &FeetReport) -> String {
 /// A line of a summary: what it is about, and what there is to say.
 pub fn line(out: &mut String, what: &str, text: impl AsRef<str>) -> std::fmt::Result {
     writeln!(out, "  {what:<11}{}", text.as_ref())
-}
-
-/// A number as short as it may be.
-pub fn number(x: f64) -> String {
-    let text = format!("{x:.3}");
-    text.trim_end_matches('0').trim_end_matches('.').to_owned()
 }

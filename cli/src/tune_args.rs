@@ -2,27 +2,29 @@
 
 use std::path::PathBuf;
 
-use clap::{Args, ValueEnum};
-use scenes::tune::{Axis, Shard, SolverKind};
+use clap::Args;
+use motion::names::Word;
+use studies::tune::{Axis, SearchStart, Shard, SolverKind};
 
 use crate::args::whole;
+use crate::words::word;
 
 /// Arguments of `tune`.
 #[derive(Debug, Args)]
 #[command(after_help = EXAMPLES)]
 pub struct TuneArgs {
-    /// Scene (.ron) of a body that stands free; its `tune` section says what is searched and what it costs
+    /// Scene (.ron, or a name of the library) of a body that stands free; its `tune` section says what is searched and what it costs
     #[arg(value_name = "SCENE", required_unless_present = "list")]
     pub input: Option<PathBuf>,
     /// Who searches: cma-es for many parameters and costs that jump, nelder-mead for a few
-    #[arg(long, value_enum, default_value = "cma-es", value_name = "SOLVER")]
-    pub solver: SolverChoice,
+    #[arg(long, value_name = "SOLVER", value_parser = word::<SolverKind>(), default_value = SolverKind::default().word())]
+    pub solver: SolverKind,
     /// Seed of all random numbers
     #[arg(long, value_name = "N", default_value_t = 1)]
     pub seed: u64,
     /// Where the search starts: at the scene's values, or anywhere in the ranges (by the seed)
-    #[arg(long, value_enum, default_value = "scene")]
-    pub start: StartChoice,
+    #[arg(long, value_parser = word::<SearchStart>(), default_value = SearchStart::default().word())]
+    pub start: SearchStart,
     /// Points costed; the generation under way is finished
     #[arg(long, value_name = "N", default_value_t = 250, value_parser = evaluations)]
     pub evaluations: usize,
@@ -44,6 +46,9 @@ pub struct TuneArgs {
     /// Patch of tension and balance to start from
     #[arg(long, value_name = "FILE.ron")]
     pub patch: Option<PathBuf>,
+    /// Engine that simulates.
+    #[arg(long, value_name = "ENGINE", help = crate::args::engine_help())]
+    pub engine: Option<String>,
     /// Forget what an earlier run left in the folder instead of going on with it
     #[arg(long)]
     pub fresh: bool,
@@ -88,40 +93,12 @@ Files written into DIR:
 Same scene and seed, same bytes, on any number of threads (RAYON_NUM_THREADS).
 Exit codes: 0 done, 1 the run failed, 2 something is wrong with the input.";
 
-/// A solver.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-pub enum SolverChoice {
-    /// CMA-ES
-    CmaEs,
-    /// Nelder and Mead
-    NelderMead,
-}
-
-impl SolverChoice {
-    /// The same as the search takes it.
-    pub fn kind(self) -> SolverKind {
-        match self {
-            Self::CmaEs => SolverKind::CmaEs,
-            Self::NelderMead => SolverKind::NelderMead,
-        }
-    }
-}
-
-/// Where a search starts.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-pub enum StartChoice {
-    /// At the scene's values
-    Scene,
-    /// Anywhere in the ranges
-    Random,
-}
-
 impl TuneArgs {
     /// Axes and shard of a sweep.
     ///
     /// # Errors
     /// The first that makes no sense.
-    pub fn grid(&self) -> Result<(Vec<Axis>, Shard), scenes::tune::SweepError> {
+    pub fn grid(&self) -> Result<(Vec<Axis>, Shard), studies::tune::SweepError> {
         let axes = self.sweep.iter().map(|t| t.parse()).collect::<Result<_, _>>()?;
         let shard = self.shard.as_deref().map_or(Ok(Shard::WHOLE), str::parse)?;
         Ok((axes, shard))

@@ -10,6 +10,10 @@ mod convert;
 mod crosscheck;
 #[path = "cli/inspect.rs"]
 mod inspect;
+#[path = "cli/library.rs"]
+mod library;
+#[path = "cli/output.rs"]
+mod output;
 #[path = "cli/place.rs"]
 mod place;
 #[path = "cli/plot.rs"]

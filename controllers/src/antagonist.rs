@@ -264,7 +264,7 @@ mod tests {
         SetPoints::of(&Joint::Spherical, Some(&Limits::Ball(limits)))
     }
 
-    /// A ball rests where it is told, under load, and is equally stiff in all directions there, for any
+    /// A ball rests at its set pose, under load, and is equally stiff in all directions there, for any
     /// stiffness that can hold: the curvature of its potential is K.
     #[test]
     fn a_loaded_ball_balances_at_its_target() {

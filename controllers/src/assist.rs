@@ -1,7 +1,7 @@
 //! Root assist: a wrench on the root towards the kinematic path, within a hard budget.
 //!
 //! In: state and goal of a free root. Out: a force and a moment about the root's origin, world, never
-//! beyond the budget; honest because it is recorded and reported.
+//! beyond the budget; what it gives is recorded and reported.
 //!
 //! A spring and a damper towards the path, critically damped with the whole body's mass m and inertia I:
 //! `F = m (ω² Δc + 2 ω Δċ)`, `M = ω² I θ + 2 ω ΔL`, with c the centre of mass, θ the turn left to the root's orientation

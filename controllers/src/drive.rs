@@ -9,7 +9,7 @@
 //! every direction; a spring to the rest itself, K log(exp(s) R* Rᵀ), would keep K only along s and
 //! K (|s|/2) cot(|s|/2) across it. Torques along the joint's zero frame.
 
-use dynamics::Model;
+use dynamics::{Model, MovingBody};
 use motion::rotation::{log, log_moment, slerp};
 use motion::skeleton::{quat_at, vec_at};
 use motion::{Joint, Quat, Vec3};
@@ -81,17 +81,16 @@ impl Drive {
         log_moment(&delta, shift) - delta
     }
 
-    /// Torque of the pair on the joint (N·m; for slides the force along the axis in `.x`).
-    ///
-    /// `q`, `v` are the whole pose and velocity; `q_at`, `v_at` say where the joint's values start. For
-    /// hinges the torque about the axis is in `.x`, for balls it is a vector along the zero frame.
-    pub fn torque(&self, joint: &Joint, q: &[f64], q_at: usize, v: &[f64], v_at: usize) -> Vec3 {
-        match (joint, self.rest) {
+    /// Torque of the pair on the joint of body `b` at the pose `q` and velocity `v` of the whole model (N·m; for slides
+    /// the force along the axis in `.x`). For hinges the torque about the axis is in `.x`, for balls it is a vector along
+    /// the zero frame.
+    pub fn torque(&self, b: &MovingBody, q: &[f64], v: &[f64]) -> Vec3 {
+        match (b.joint, self.rest) {
             (Joint::Revolute(_) | Joint::Prismatic(_), Rest::Scalar(rest)) => {
-                Vec3::x() * (self.stiffness * (rest - q[q_at]) - self.damping * v[v_at])
+                Vec3::x() * (self.stiffness * (rest - q[b.q_at]) - self.damping * v[b.v_at])
             }
             (Joint::Spherical, Rest::Ball { .. }) => {
-                self.pull(&quat_at(q, q_at)) * self.stiffness - vec_at(v, v_at) * self.damping
+                self.pull(&quat_at(q, b.q_at)) * self.stiffness - vec_at(v, b.v_at) * self.damping
             }
             _ => Vec3::zeros(),
         }

@@ -32,7 +32,7 @@ pub fn pressure(state: &State, tau: &[f64], ground_m: f64) -> Option<(Vec3, Vec2
     if force.y <= 0.0 {
         return None;
     }
-    // about the point of the ground under the world's origin: M = p × F, p in the ground
+    // moment about the point of the ground under the world's origin: M = p × F with p on the ground
     let root = state.bodies[0].world.translation.vector - Vec3::y() * ground_m;
     let moment = zero * vec_at(tau, 3) + root.cross(&force);
     Some((force, Vec2::new(moment.z, -moment.x) / force.y))

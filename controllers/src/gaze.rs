@@ -3,21 +3,24 @@
 //! Each step the joints of a chain (neck, head) are solved so that the line of sight meets the point where the trunk
 //! will be at the end of the step: from the pose asked for, each joint takes an equal share of the smallest rotation
 //! that is left, within its limits. Their muscles keep the tension asked for; their rest follows the solved pose, with
-//! the load of the head as the trunk carries it now (RNEA at the simulated state, with the accelerations felt) and
+//! the load of the head as the trunk carries it now (RNEA at the simulated state, with the measured accelerations) and
 //! the damping of the way the neck has to go fed forward, so that even a relaxed neck does not lag.
 //!
 //! In: a body, a chain, a point of sight, a target. Out: drives of the chain. Out of reach (behind the back) the
 //! limits are kept and the line of sight misses. Balls only: other joints of a chain are refused. World frame; the
 //! target is fixed in the world.
 
+use bodies::Character;
 use dynamics::rnea::joint_force;
-use dynamics::{Character, Model, State};
+use dynamics::{Model, State};
 use motion::ik::IkError;
 use motion::rotation::{between, exp, log, slerp};
 use motion::{Joint, Limits, Quat, Vec3, smoothstep};
 use thiserror::Error;
 
-use crate::reactive::{AHEAD, Felt, Moment, Reactive, in_zero_frame, rate_between, set_rate};
+use crate::reactive::{
+    AHEAD, ControlStep, FilteredAcceleration, Reactive, in_zero_frame, rate_between, set_rate,
+};
 use crate::{Drive, Rest, rest_of};
 
 /// What to look at, when.
@@ -108,7 +111,7 @@ pub struct Gaze {
     sight: Sight,
     chain: Vec<Turning>,
     state: State,
-    felt: Felt,
+    measured: FilteredAcceleration,
     pose: Vec<f64>,
     goal: Vec<f64>,
     ahead: Vec<f64>,
@@ -123,13 +126,13 @@ struct Turning {
     limits: Option<motion::BallLimits>,
     /// Rate of the path a step ago, zero frame.
     rate: Option<Vec3>,
-    /// Acceleration of the path, followed within [`FELT`], zero frame.
+    /// Acceleration of the path, filtered with [`FILTER_S`], zero frame.
     acceleration: Vec3,
 }
 
-/// Time constant with which accelerations are felt, s: three control steps; without it the neck rings at the
+/// Time constant of the filter of accelerations, s: three control steps; without it the neck oscillates at the
 /// control rate, at 40 ms the eyes lag twice as far.
-const FELT: f64 = 0.015;
+const FILTER_S: f64 = 0.015;
 /// Rounds over the chain; each leaves what limits or lever arms kept from it. Two suffice for a free neck.
 const ROUNDS: usize = 6;
 
@@ -172,7 +175,7 @@ impl Gaze {
             sight,
             chain,
             state: State::new(model),
-            felt: Felt::default(),
+            measured: FilteredAcceleration::default(),
             pose: q.clone(),
             goal: q.clone(),
             ahead: q,
@@ -184,6 +187,17 @@ impl Gaze {
     /// What it looks at, when.
     pub fn settings(&self) -> &GazeSettings {
         &self.settings
+    }
+
+    /// The same gaze at other times, s.
+    pub fn during(mut self, from_s: f64, to_s: f64) -> Self {
+        (self.settings.from_s, self.settings.to_s) = (from_s, to_s);
+        self
+    }
+
+    /// The links it turns, from the trunk outward.
+    pub fn links(&self) -> impl Iterator<Item = usize> {
+        self.chain.iter().map(|turning| turning.link)
     }
 
     /// Its line of sight.
@@ -226,47 +240,48 @@ impl Gaze {
 }
 
 impl Reactive for Gaze {
-    fn react(&mut self, m: &Moment<'_>, drives: &mut [Drive]) -> Result<(), IkError> {
-        self.felt.update(m.v, m.dt, FELT);
-        let weight = self.weight(m.time_s);
+    fn react(&mut self, step: &ControlStep<'_>, drives: &mut [Drive]) -> Result<(), IkError> {
+        self.measured.update(step.v, step.dt, FILTER_S);
+        let weight = self.weight(step.time_s);
         if weight <= 0.0 {
             self.chain.iter_mut().for_each(|t| (t.rate, t.acceleration) = (None, Vec3::zeros()));
             return Ok(());
         }
-        let skeleton = &m.model.skeleton;
-        // where the trunk will be at the end of the step, and a moment later
+        let skeleton = &step.model.skeleton;
+        // where the trunk will be at the end of the step, and `AHEAD` seconds later
         let mut pose = std::mem::take(&mut self.pose);
         let mut ahead = std::mem::take(&mut self.ahead);
         let mut goal = std::mem::take(&mut self.goal);
-        pose.copy_from_slice(m.q);
-        skeleton.integrate(&mut pose, m.v, m.dt);
+        pose.copy_from_slice(step.q);
+        skeleton.integrate(&mut pose, step.v, step.dt);
         ahead.copy_from_slice(&pose);
-        skeleton.integrate(&mut ahead, m.v, AHEAD);
-        goal.copy_from_slice(m.goal_q);
-        skeleton.integrate(&mut goal, m.goal_v, AHEAD);
-        self.solve(m.model, &mut pose, m.goal_q, weight);
-        let later = self.weight(m.time_s + AHEAD);
-        self.solve(m.model, &mut ahead, &goal, later);
+        skeleton.integrate(&mut ahead, step.v, AHEAD);
+        goal.copy_from_slice(step.goal_q);
+        skeleton.integrate(&mut goal, step.goal_v, AHEAD);
+        self.solve(step.model, &mut pose, step.goal_q, weight);
+        let later = self.weight(step.time_s + AHEAD);
+        self.solve(step.model, &mut ahead, &goal, later);
 
-        // what the chain has to carry along: the head as the trunk moves now, the joints as they have to
-        self.vd.copy_from_slice(&self.felt.vd);
+        // accelerations of the load: the trunk's as measured, those of the chain's joints as their path needs them
+        self.vd.copy_from_slice(&self.measured.vd);
         for t in &mut self.chain {
-            let joint = &m.model.bodies[t.body].joint;
-            let rate = rate_between(&rest_of(m.model, t.body, &pose), &rest_of(m.model, t.body, &ahead));
-            let wanted = t.rate.map_or(Vec3::zeros(), |before| (rate - before) / m.dt);
-            t.acceleration += (wanted - t.acceleration) * (1.0 - (-m.dt / FELT).exp());
-            set_rate(joint, m.model.bodies[t.body].v_at, &t.acceleration, &mut self.vd);
+            let joint = &step.model.bodies[t.body].joint;
+            let rate =
+                rate_between(&rest_of(step.model, t.body, &pose), &rest_of(step.model, t.body, &ahead));
+            let wanted = t.rate.map_or(Vec3::zeros(), |before| (rate - before) / step.dt);
+            t.acceleration += (wanted - t.acceleration) * (1.0 - (-step.dt / FILTER_S).exp());
+            set_rate(joint, step.model.bodies[t.body].v_at, &t.acceleration, &mut self.vd);
             t.rate = Some(rate);
         }
-        self.state.update(m.model, m.q, m.v);
-        self.state.inverse_dynamics(m.model, m.v, &self.vd, &[], &mut self.tau);
+        self.state.update(step.model, step.q, step.v);
+        self.state.inverse_dynamics(step.model, step.v, &self.vd, &[], &mut self.tau);
         for t in &self.chain {
-            let b = &m.model.bodies[t.body];
+            let b = &step.model.bodies[t.body];
             let Drive { stiffness, damping, .. } = drives[t.body];
             let rate = t.rate.unwrap_or_else(Vec3::zeros);
             let load = -joint_force(&b.joint, &self.tau, b.v_at) - rate * damping;
             let target = Rest::ball(skeleton.rotation(&pose, t.link));
-            let rest = m.set_points[t.body].rest(&target, load, stiffness);
+            let rest = step.set_points[t.body].rest(&target, load, stiffness);
             drives[t.body].rest = drives[t.body].rest.blend(&rest, weight);
         }
         (self.pose, self.ahead, self.goal) = (pose, ahead, goal);

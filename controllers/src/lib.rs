@@ -6,7 +6,7 @@
 //! | [`stops`] | what ligaments do beyond a joint's range |
 //! | [`tension`] | from dimensionless tension to stiffness and damping |
 //! | [`transition`] | gains along a transition |
-//! | [`drive`] | what a muscle pair asks of its joint in one step |
+//! | [`drive`] | spring and damper of a joint in one step |
 //! | [`goal`] | the motion asked for, at the control rate |
 //! | [`feed`] | what a moving goal needs of the ground |
 //! | [`support`] | feet, and how they share the load |
@@ -17,7 +17,8 @@
 //! | [`gaze`] | one that keeps the eyes on a point |
 //! | [`assist`] | a root wrench with a hard budget |
 //! | [`parameters`] | what may be tuned: names, units, ranges, consequences |
-//! | [`controller`] | all of them, step by step |
+//! | [`plan`] | a whole motion, planned before its first step |
+//! | [`controller`] | a plan, step by step |
 
 pub mod admissible;
 pub mod antagonist;
@@ -29,6 +30,7 @@ pub mod feed;
 pub mod gaze;
 pub mod goal;
 pub mod parameters;
+pub mod plan;
 pub mod posture;
 pub mod reactive;
 pub mod stops;
@@ -37,13 +39,15 @@ pub mod tension;
 pub mod transition;
 
 pub use antagonist::{Antagonist, HoldError, SetPoints};
-pub use balance::{Balance, BalanceSettings, Strategy, StrategyError};
-pub use controller::{Controller, LegTension, Sagging, Setup};
+pub use balance::{Balance, BalanceSettings, Strategy};
+pub use controller::Controller;
 pub use drive::{Drive, Rest, rest_of};
 pub use feed::Feed;
 pub use gaze::{Gaze, GazeError, GazeSettings, Sight};
 pub use goal::Goal;
 pub use parameters::{PARAMETERS, Parameter, Tunable, parameter};
-pub use reactive::{Moment, Reactive};
+pub use plan::dense::{Dense, DenseJoint};
+pub use plan::{LegTension, Plan, Sagging, Setup};
+pub use reactive::{ControlStep, Impedance, Reactive};
 pub use tension::{Need, StanceLeg, TensionScale};
 pub use transition::GainBlend;

@@ -1,41 +1,51 @@
 //! Reactive movement properties: what reads the simulated state every step and adjusts drives \[NF03 §4.2\].
 //!
-//! A property sees a [`Moment`]: the state, the motion asked for, the muscles at hand. It writes the drives of the
-//! joints it cares for, on top of what the motion asked and earlier properties wrote; later ones have the last word.
+//! A property sees a [`ControlStep`]: the state, the motion asked for, the impedances of the joints. It writes the drives
+//! of its joints over what the motion asked and earlier properties wrote; what later ones write counts.
 //! [`crate::Balance`] is one, [`crate::Gaze`] a small second. Another is a type with [`Reactive`], handed to
-//! [`crate::Setup::reactive`].
+//! [`crate::Controller::new`] (in a dynamic pass: `sim::Pass::reactive`).
 //!
-//! In: the trait. Out: drives. No engine and no clock: time is in the moment, memory in the property.
+//! In: the trait. Out: drives. No engine and no clock: time is in the step, memory in the property.
 
 use dynamics::{ContactSample, Model, State};
 use motion::ik::IkError;
 use motion::{Joint, Vec3};
 
 use crate::antagonist::SetPoints;
-use crate::balance::LegMuscle;
-use crate::{Drive, Rest};
+use crate::{Drive, Feed, Rest};
 
-/// One control step as a reactive property sees it.
+/// Stiffness and damping of a joint.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Impedance {
+    /// Stiffness, N·m/rad.
+    pub stiffness: f64,
+    /// Damping, N·m·s/rad.
+    pub damping: f64,
+}
+
+/// Inputs of one control step.
 #[derive(Clone, Copy)]
-pub struct Moment<'a> {
+pub struct ControlStep<'a> {
     /// The body.
     pub model: &'a Model,
     /// Set points, per body.
     pub set_points: &'a [SetPoints],
-    /// Stiffness and damping of every body's joint at the tension asked for.
-    pub muscles: &'a [LegMuscle],
+    /// Of every body's joint at the tension asked for.
+    pub impedances: &'a [Impedance],
     /// Simulated pose (`nq`) at the start of the step.
     pub q: &'a [f64],
     /// Simulated velocity (`nv`) at the start of the step.
     pub v: &'a [f64],
     /// Contacts of the step before.
-    pub touching: &'a [ContactSample],
+    pub contacts: &'a [ContactSample],
     /// Pose asked for (`nq`) at the end of the step.
     pub goal_q: &'a [f64],
     /// Velocity asked for (`nv`) at the end of the step.
     pub goal_v: &'a [f64],
     /// Vertical acceleration of the goal's centre of mass, m/s².
     pub lift: f64,
+    /// What the goal's own motion needs of the ground; `None` for a goal that stands still or moves slowly.
+    pub feed: Option<Feed>,
     /// Time at the end of the step, s.
     pub time_s: f64,
     /// Length of the step, s.
@@ -48,7 +58,7 @@ pub trait Reactive: Send {
     ///
     /// # Errors
     /// Limbs that two-bone IK cannot solve.
-    fn react(&mut self, moment: &Moment<'_>, drives: &mut [Drive]) -> Result<(), IkError>;
+    fn react(&mut self, step: &ControlStep<'_>, drives: &mut [Drive]) -> Result<(), IkError>;
 }
 
 /// Time by which a goal is moved on to find the joint rates of its path, s.
@@ -65,20 +75,19 @@ pub(crate) fn rate_between(from: &Rest, to: &Rest) -> Vec3 {
     }
 }
 
-/// Acceleration of the body as it is felt: differences of velocities, followed with the time constant of
-/// [`Felt::update`].
+/// Acceleration of the body, measured: differences of velocities through a first-order low-pass filter.
 ///
-/// Properties that carry something along feel how their base accelerates. Unfiltered, a drive that answers the
-/// acceleration of the last step rings at the control rate; the first step knows of none.
+/// Properties that carry a mass along need the acceleration of its base. Unfiltered, a drive that answers the
+/// acceleration of the last step oscillates at the control rate. Zero after the first step.
 #[derive(Clone, Debug, Default)]
-pub(crate) struct Felt {
+pub(crate) struct FilteredAcceleration {
     before: Vec<f64>,
     /// Rate of `v` (`nv`).
     pub(crate) vd: Vec<f64>,
 }
 
-impl Felt {
-    /// Takes in the velocity `v` (`nv`) after a step of `dt`; `within` is the time constant, s.
+impl FilteredAcceleration {
+    /// Updates with the velocity `v` (`nv`) after a step of `dt`; `within` is the time constant, s.
     pub(crate) fn update(&mut self, v: &[f64], dt: f64, within: f64) {
         if self.before.is_empty() {
             self.vd.resize(v.len(), 0.0);

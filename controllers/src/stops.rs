@@ -1,10 +1,14 @@
 //! Stops: what ligaments do beyond a joint's range of motion.
 //!
-//! In: limits and a pose. Out: the way back to the nearest allowed value as a torque per stiffness, along
-//! the joint's zero frame. Zero inside the range. The potential is ½ k |φ − clamp(φ)|² in the joint's own
-//! coordinate, for balls the anatomical ones (swing and twist): conservative, and it does not depend on
-//! the path, as limits on rotation-vector components do.
+//! In: limits and a pose. Out: the torque that leads back to the nearest allowed value, per stiffness, along the joint's
+//! zero frame. Zero inside the range. The potential is ½ k |φ − clamp(φ)|² in the joint's own coordinate, for balls
+//! the anatomical ones (swing and twist): conservative, and it does not depend on the path, as limits on
+//! rotation-vector components do.
+//!
+//! This is a torque, the slope of that potential. The rotation that takes a pose back to its limits
+//! ([`motion::limits::tangent_correction`]) is another vector; `clamp(φ) − φ` is what both start from.
 
+use motion::limits::coordinate_correction;
 use motion::skeleton::quat_at;
 use motion::{Joint, Limits, Vec3};
 
@@ -15,24 +19,15 @@ pub const STIFFNESS_RATIO: f64 = 4.0;
 
 /// Torque over stiffness that leads back into the range: rad (m for slides); in `.x` for hinges and
 /// slides. `None` inside the range and for joints without limits.
-pub fn way_back(joint: &Joint, limits: Option<&Limits>, q: &[f64], q_at: usize) -> Option<Vec3> {
-    match (joint, limits?) {
-        (Joint::Revolute(_) | Joint::Prismatic(_), Limits::Axis(range)) => {
-            let x = q[q_at];
-            (!range.contains(x)).then(|| Vec3::x() * (range.clamp(x) - x))
-        }
-        (Joint::Spherical, Limits::Ball(limits)) => {
-            let r = quat_at(q, q_at);
-            let phi = limits.coords(&r);
-            let back = Vec3::from_fn(|i, _| limits.ranges[i].clamp(phi[i]) - phi[i]);
-            if back == Vec3::zeros() {
-                return None;
-            }
+pub fn restoring_torque(joint: &Joint, limits: Option<&Limits>, q: &[f64], q_at: usize) -> Option<Vec3> {
+    let back = coordinate_correction(joint, limits, q, q_at)?;
+    match limits? {
+        Limits::Axis(_) => Some(back),
+        Limits::Ball(limits) => {
             // ω = A φ̇, so the torque of a force f on φ is A⁻ᵀ f
-            let (_, axes) = anatomical(limits, &r);
+            let (_, axes) = anatomical(limits, &quat_at(q, q_at));
             axes.transpose().try_inverse().map(|inverse| inverse * back)
         }
-        _ => None,
     }
 }
 
@@ -53,18 +48,18 @@ mod tests {
 
     /// Nothing inside; outside, the torque is minus the slope of the potential in every direction.
     #[test]
-    fn the_way_back_is_the_slope_of_a_potential() {
+    fn the_torque_is_the_slope_of_a_potential() {
         let b = limits();
         let all = Limits::Ball(b);
         let inside = b.rotation(&Vec3::new(0.3, -0.1, 0.1));
-        assert_eq!(way_back(&Joint::Spherical, Some(&all), &pose(&inside), 0), None);
+        assert_eq!(restoring_torque(&Joint::Spherical, Some(&all), &pose(&inside), 0), None);
         let potential = |r: &Quat| {
             let phi = b.coords(r);
             0.5 * Vec3::from_fn(|i, _| b.ranges[i].clamp(phi[i]) - phi[i]).norm_squared()
         };
         for phi in [Vec3::new(1.1, 0.1, 0.0), Vec3::new(-0.7, 0.9, 0.5), Vec3::new(0.2, 0.2, -1.2)] {
             let r = b.rotation(&phi);
-            let torque = way_back(&Joint::Spherical, Some(&all), &pose(&r), 0).unwrap();
+            let torque = restoring_torque(&Joint::Spherical, Some(&all), &pose(&r), 0).unwrap();
             for e in [Vec3::x(), Vec3::y(), Vec3::z()] {
                 let h = 1e-6;
                 let slope = (potential(&(exp(&(e * h)) * r)) - potential(&(exp(&(e * -h)) * r))) / (2.0 * h);
@@ -78,8 +73,8 @@ mod tests {
     fn hinges_go_back_to_the_nearer_end() {
         let range = Limits::Axis(Range::new(0.0, 2.0));
         let joint = Joint::Revolute(Vec3::y());
-        assert_eq!(way_back(&joint, Some(&range), &[1.0], 0), None);
-        assert_eq!(way_back(&joint, Some(&range), &[2.5], 0), Some(Vec3::new(-0.5, 0.0, 0.0)));
-        assert_eq!(way_back(&joint, None, &[9.0], 0), None);
+        assert_eq!(restoring_torque(&joint, Some(&range), &[1.0], 0), None);
+        assert_eq!(restoring_torque(&joint, Some(&range), &[2.5], 0), Some(Vec3::new(-0.5, 0.0, 0.0)));
+        assert_eq!(restoring_torque(&joint, None, &[9.0], 0), None);
     }
 }

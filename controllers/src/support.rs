@@ -6,56 +6,46 @@
 //!
 //! In: foot poses, a centre of pressure, a force. Out: wrenches on the feet. World frame.
 
-use dynamics::{Character, Model, State, Wrench};
+use bodies::Character;
+use dynamics::{Model, State, Wrench};
 use motion::support::{Support, Vec2, ground};
-use motion::{Limb, LimbKind, Vec3};
+use motion::{Limb, Sole, Vec3};
 
-/// A foot that may stand: its leg and the corners of its sole.
+/// A foot that may stand: its leg and its sole.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Foot {
     /// The leg.
     pub limb: Limb,
     /// Body of the foot in the model.
     pub body: usize,
-    /// Corners of the sole: link and point in that link's frame, m.
-    pub corners: Vec<(usize, Vec3)>,
+    /// Its sole.
+    pub sole: Sole,
 }
 
 impl Foot {
     /// The feet of a character: legs whose foot carries contact points.
     pub fn of(character: &Character, model: &Model) -> Vec<Foot> {
-        let sites = character.skeleton.sites();
-        let legs = character.skeleton.limbs().iter().filter(|l| l.kind == LimbKind::Leg);
-        legs.filter_map(|limb| {
-            let body = model.body_of[limb.end].0;
-            let corners: Vec<_> = character
-                .contacts
-                .iter()
-                .map(|&c| &sites[c])
-                .filter(|s| model.body_of[s.link].0 == body)
-                .map(|s| (s.link, s.at))
-                .collect();
-            (!corners.is_empty()).then(|| Foot { limb: limb.clone(), body, corners })
-        })
-        .collect()
+        let of =
+            |(limb, sole): (&Limb, Sole)| Foot { limb: limb.clone(), body: model.body_of[limb.end].0, sole };
+        character.leg_soles().into_iter().map(of).collect()
     }
 
     /// Corners of the sole in the world, m.
     pub fn corners_in_world(&self, model: &Model, state: &State) -> Vec<Vec3> {
-        self.corners.iter().map(|(link, at)| state.point(model, *link, at)).collect()
+        self.sole.corners.iter().map(|(link, at)| state.point(model, *link, at)).collect()
     }
 
     /// Speed of the middle of the sole, m/s.
     pub fn speed(&self, model: &Model, state: &State) -> f64 {
         let velocity: Vec3 =
-            self.corners.iter().map(|(link, at)| state.point_velocity(model, *link, at)).sum();
-        velocity.norm() / self.corners.len() as f64
+            self.sole.corners.iter().map(|(link, at)| state.point_velocity(model, *link, at)).sum();
+        velocity.norm() / self.sole.corners.len() as f64
     }
 
     /// Mean of the corners in the world, m.
     pub fn center(&self, model: &Model, state: &State) -> Vec3 {
-        let sum: Vec3 = self.corners.iter().map(|(link, at)| state.point(model, *link, at)).sum();
-        sum / self.corners.len() as f64
+        let sum: Vec3 = self.sole.corners.iter().map(|(link, at)| state.point(model, *link, at)).sum();
+        sum / self.sole.corners.len() as f64
     }
 }
 

@@ -16,7 +16,8 @@
 //!
 //! A stance leg moves the body above it, not the limb below: it sways below 1 Hz, as standing people do.
 
-use dynamics::{JointClass, Model, State, Wrench};
+use bodies::JointClass;
+use dynamics::{Model, State, Wrench};
 use motion::{Joint, Limb, Vec3};
 use nalgebra::{DMatrix, DVector};
 
@@ -207,14 +208,13 @@ fn stance_stiffness(model: &Model, state: &mut State, leg: &StanceLeg, h: &mut D
     }
 }
 
+/// Axes about which the joint of a body turns, world, with their degrees of freedom; none for slides and a free root.
 fn axes(model: &Model, state: &State, body: usize) -> Vec<(usize, Vec3)> {
-    let b = &model.bodies[body];
-    let zero = &state.bodies[body].zero;
-    match b.joint {
-        Joint::Spherical => (0..3).map(|k| (b.v_at + k, zero.column(k).into_owned())).collect(),
-        Joint::Revolute(axis) => vec![(b.v_at, zero * axis)],
-        _ => Vec::new(),
+    let mut out = Vec::new();
+    if matches!(model.bodies[body].joint, Joint::Spherical | Joint::Revolute(_)) {
+        state.joint_axes(model, body, |dof, _, angular| out.push((dof, angular)));
     }
+    out
 }
 
 /// Stiffness scale and typical inertia of every joint of a scene.

@@ -8,6 +8,7 @@
 //! In: the current and the final drive, times, a curve. Out: the drive at a time.
 
 use motion::Curve;
+use motion::names::Word;
 
 use crate::{Drive, Rest};
 
@@ -19,6 +20,14 @@ pub enum GainBlend {
     RestAngle,
     /// The two gains, literally as in \[NF02\].
     Gains,
+}
+
+impl Word for GainBlend {
+    const KIND: &'static str = "blend";
+    const WORDS: &'static [(Self, &'static str, &'static str)] = &[
+        (Self::RestAngle, "rest-angle", "Stiffness and rest angle: the rest follows the curve"),
+        (Self::Gains, "gains", "The two gains, literally as in NF02"),
+    ];
 }
 
 /// A joint's muscles on their way.

@@ -2,11 +2,12 @@
 
 use std::sync::Arc;
 
+use bodies::Character;
 use controllers::assist::{Assist, Budget};
 use controllers::posture::settle;
 use controllers::support::{Foot, polygon, shares, wrenches};
-use controllers::{BalanceSettings, Controller, Drive, GainBlend, Goal, Setup};
-use dynamics::{Character, Model, State};
+use controllers::{BalanceSettings, Controller, Drive, GainBlend, Goal, Plan, Setup};
+use dynamics::{Model, State};
 use motion::plant::{Plant, plant};
 use motion::rotation::exp;
 use motion::support::{Support, Vec2, ground};
@@ -15,7 +16,7 @@ use motion::{Clip, Kinematics, Script, Vec3};
 const GRAVITY: Vec3 = Vec3::new(0.0, -9.81, 0.0);
 
 fn human() -> (Arc<Character>, Model, State, Vec<Plant>) {
-    let c = Arc::new(dynamics::anthropometry::human::human().0);
+    let c = Arc::new(bodies::anthropometry::human::human().0);
     let model = Model::new(&c, GRAVITY);
     let mut state = State::new(&model);
     state.update(&model, &c.rest, &vec![0.0; model.nv()]);
@@ -145,14 +146,14 @@ fn drives(
         gravity: GRAVITY,
         goal: Goal::new(&clip, 240.0),
         tracks: Some(script.build(s, &c.rest).unwrap()),
+        dense: Default::default(),
         tension: 1.0,
         plants: plants.to_vec(),
         ground_m: None,
         balance,
         blend: GainBlend::RestAngle,
-        reactive: Vec::new(),
     };
-    Controller::new(setup).unwrap().step(1, q, v).unwrap().to_vec()
+    Controller::new(Plan::new(setup, &[]), Vec::new()).step(1, q, v).unwrap().to_vec()
 }
 
 /// An ankle never presses beyond its sole, however far the body leans; without the limit it would.
@@ -170,7 +171,7 @@ fn ankles_keep_their_pressure_inside_the_sole() {
         feet.iter()
             .map(|foot| {
                 let b = &model.bodies[foot.body];
-                let torque = drives[foot.body].torque(&b.joint, q, b.q_at, v, b.v_at);
+                let torque = drives[foot.body].torque(b, q, v);
                 let world = state.bodies[foot.body].zero * torque;
                 let ankle = ground(&state.bodies[foot.body].world.translation.vector);
                 let pressure = ankle + Vec2::new(-world.z / force, world.x / force);

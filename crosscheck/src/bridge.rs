@@ -1,13 +1,14 @@
 //! The pipe to MuJoCo: requests out, answers in.
 //!
 //! In: a Python with MuJoCo. Out: a [`Bridge`] that loads models and answers about them. The other end is
-//! `driver.py`, which says the framing. Numbers here are in MuJoCo's layout; [`dynamics::mujoco_layout`] converts.
+//! `driver.py`, which says the framing. Numbers here are in MuJoCo's layout; [`formats::mujoco_layout`] converts.
 
 use std::io::{BufReader, BufWriter, Read, Write};
 use std::path::Path;
 use std::process::{Child, ChildStdin, ChildStdout, Command, Stdio};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
-use dynamics::mujoco_layout::JointThere;
+use formats::mujoco_layout::JointThere;
 use motion::{Joint, Skeleton, Vec3};
 use serde::Deserialize;
 use serde_json::{Value, json};
@@ -122,6 +123,16 @@ pub struct Bridge {
     to: BufWriter<ChildStdin>,
     from: BufReader<ChildStdout>,
     bytes: Vec<u8>,
+    /// Whether the process ended.
+    gone: bool,
+}
+
+/// A running MuJoCo that several uses take turns with.
+pub type Shared = Arc<Mutex<Bridge>>;
+
+/// The MuJoCo of a shared bridge, for one request or several.
+pub fn lock(bridge: &Shared) -> MutexGuard<'_, Bridge> {
+    bridge.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
 const DRIVER: &str = include_str!("driver.py");
@@ -145,9 +156,19 @@ impl Bridge {
             .map_err(gone)?;
         let to = BufWriter::new(child.stdin.take().expect("piped"));
         let from = BufReader::new(child.stdout.take().expect("piped"));
-        let mut bridge = Self { child, to, from, bytes: Vec::new() };
+        let mut bridge = Self { child, to, from, bytes: Vec::new(), gone: false };
         bridge.receive()?;
         Ok(bridge)
+    }
+
+    /// The same, to be shared.
+    pub fn shared(self) -> Shared {
+        Arc::new(Mutex::new(self))
+    }
+
+    /// Whether the process ended, so that it answers no more.
+    pub fn is_gone(&self) -> bool {
+        self.gone
     }
 
     /// Loads a model from a file or from text; contacts, limits, equalities, friction losses, springs,
@@ -167,8 +188,8 @@ impl Bridge {
             Source::File(path) => request["path"] = json!(path.to_string_lossy()),
         }
         let (head, numbers) = self.call(&request, &[])?;
-        let mut info: ModelInfo =
-            serde_json::from_value(head).map_err(|e| BridgeError::Gone(format!("said nonsense: {e}")))?;
+        let mut info: ModelInfo = serde_json::from_value(head)
+            .map_err(|e| BridgeError::Gone(format!("its answer cannot be read: {e}")))?;
         let (nq, nb, nj) = (info.nq, info.bodies.len(), info.joints.len());
         expect(&numbers, nq + 3 * nb + 6 * nj)?;
         let triples = |x: &[f64]| x.chunks_exact(3).map(|c| Vec3::new(c[0], c[1], c[2])).collect();
@@ -227,6 +248,7 @@ impl Bridge {
 
     /// What the process said before it went away.
     fn gone(&mut self) -> BridgeError {
+        self.gone = true;
         let _ = self.child.kill();
         let mut text = String::new();
         if let Some(mut stderr) = self.child.stderr.take() {

@@ -45,11 +45,11 @@ pub enum EnvironmentError {
     },
 }
 
-/// Makes the environment or finds it made; returns its Python. `say` is told what is being done.
+/// Makes the environment or finds it made; returns its Python. `note` is called with what is being done.
 ///
 /// # Errors
 /// [`EnvironmentError`].
-pub fn prepare(say: &mut dyn FnMut(&str)) -> Result<PathBuf, EnvironmentError> {
+pub fn prepare(note: &mut dyn FnMut(&str)) -> Result<PathBuf, EnvironmentError> {
     let home = cache()?;
     let place = home.join(format!("mujoco-{MUJOCO}"));
     // two threads of one process take turns; two processes each make one, and the first to finish wins
@@ -59,9 +59,9 @@ pub fn prepare(say: &mut dyn FnMut(&str)) -> Result<PathBuf, EnvironmentError> {
         return Ok(python_of(&place));
     }
     let python = find_python()?;
-    say(&format!("making a Python environment with mujoco {MUJOCO} in {} (once)", place.display()));
+    note(&format!("making a Python environment with mujoco {MUJOCO} in {} (once)", place.display()));
     fs::create_dir_all(&home).map_err(|e| step(&place, "create the cache folder", e.to_string()))?;
-    // nobody must meet half an environment: made aside, then moved
+    // made in another folder and moved when complete, so that no process uses half an environment
     let making = home.join(format!(".mujoco-{MUJOCO}.{}", std::process::id()));
     let made = make(&python, &making);
     let done = made.and_then(|()| {

@@ -1,18 +1,19 @@
 //! Motion without contacts: rapier against MuJoCo's fourth-order integrator, with the order of convergence.
 //!
-//! In: MuJoCo, a stage whose root is pinned. Out: checks and the curves of the joint that differs most. The
+//! In: MuJoCo, a take whose root is pinned. Out: checks and the curves of the joint that differs most. The
 //! ground is taken away, so that nothing but inertia, gravity and muscles is compared. The reference holds
 //! its drives for 1/7680 s and takes one Runge–Kutta step in each.
 
 use dynamics::Trace;
 use motion::Clip;
 use motion::metrics::{joint_errors, joint_rms_deg};
-use scenes::Stage;
-use sim::PassError;
+use sim::{PassError, rapier};
+use takes::Take;
 
+use crate::bridge::Shared;
 use crate::check::Check;
-use crate::ground::{Shared, in_mujoco};
-use crate::world::Integration;
+use crate::ground::in_mujoco;
+use crate::mujoco::Integration;
 
 /// Control steps per second of the reference.
 pub const REFERENCE_HZ: f64 = 7680.0;
@@ -36,25 +37,21 @@ pub struct ForwardRun {
     pub clips: [Clip; 2],
 }
 
-/// Compares up to [`LONGEST`] seconds of a stage.
+/// Compares up to [`LONGEST`] seconds of a take.
 ///
 /// # Errors
 /// Of either engine.
-pub fn compare(
-    bridge: &Shared,
-    stage: &Stage,
-    progress: &mut dyn FnMut(f64),
-) -> Result<ForwardRun, PassError> {
+pub fn compare(bridge: &Shared, take: &Take, progress: &mut dyn FnMut(f64)) -> Result<ForwardRun, PassError> {
     let pass = |rate_hz: f64| {
-        let mut at = stage.clone();
-        at.physics.rate_hz = rate_hz;
+        let mut at = take.clone();
+        at.conditions.physics.rate_hz = Some(rate_hz);
         let mut pass = at.pass();
         pass.substeps = Some(SUBSTEPS);
         pass.ground = None;
         pass.setup.ground_m = None;
         pass
     };
-    let end_s = stage.kinematic.duration_s().min(LONGEST);
+    let end_s = take.asked.clip.duration_s().min(LONGEST);
     let common = |trace: &Trace| {
         let clip = trace.clip().resample(COMMON_HZ);
         let frames = ((end_s * COMMON_HZ) as usize + 1).min(clip.frames());
@@ -66,7 +63,7 @@ pub fn compare(
     let mut errors_deg = [0.0; 4];
     let mut ours = None;
     for (error, rate_hz) in errors_deg.iter_mut().zip(RATES_HZ) {
-        let outcome = pass(rate_hz).run(&mut |_| {})?;
+        let outcome = pass(rate_hz).run(&rapier::engine(), &mut |_| {})?;
         if let Some(why) = outcome.diverged {
             return Err(why.into());
         }
@@ -96,7 +93,7 @@ pub fn compare(
         ),
     ];
     for k in 0..3 {
-        // below rounding of the comparison there is no order to see
+        // below the rounding of the comparison the order cannot be measured
         if errors_deg[k + 1] > 1e-6 {
             let order = (errors_deg[k] / errors_deg[k + 1]).log2();
             let name =

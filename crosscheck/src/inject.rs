@@ -6,7 +6,7 @@
 use std::str::FromStr;
 use std::sync::Arc;
 
-use dynamics::Character;
+use bodies::Character;
 use motion::names::nearest;
 use motion::{Joint, Skeleton, Vec3};
 

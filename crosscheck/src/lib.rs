@@ -11,22 +11,26 @@
 //! | [`ground`] | contact: boxes, standing, a scene on its feet |
 //! | [`push`] | the push-recovery map in both engines |
 //! | [`inject`] | faults put in on purpose |
-//! | [`check`], [`report`] | a row of the table; the table as text, page and JSON |
-//! | [`world`] | MuJoCo as an engine of the dynamic pass |
+//! | [`check`], [`report`], [`results`] | a row of the table; the table as text, page and JSON; its folder |
+//! | [`mujoco`], [`engine`](mod@engine) | MuJoCo as an engine of the dynamic pass; its entry in the table of engines |
 //! | [`bridge`], [`environment`] | the process, the Python it runs in |
 
+pub mod box_contact;
 pub mod bridge;
 pub mod check;
+pub mod engine;
 pub mod environment;
 pub mod forward;
 pub mod ground;
 pub mod inject;
+pub mod mujoco;
 pub mod push;
 pub mod report;
+pub mod results;
 pub mod rigid;
 pub mod subject;
-pub mod world;
 
 pub use check::Check;
+pub use engine::engine;
 pub use inject::Injection;
 pub use subject::{CrossCheck, CrossCheckError, Event, Options, run};

@@ -1,65 +1,18 @@
-//! The push-recovery map in MuJoCo: the same test, the same controllers, MuJoCo's state.
+//! The push-recovery maps of two engines compared: the same test, the same controllers, each engine's own state.
 //!
-//! In: a stage that stands. Out: its [`PushMap`], simulated by MuJoCo, or a check of the two engines' maps.
-//! Every thread talks to a MuJoCo of its own; directions are searched by themselves, so the map is the same on
-//! any number of threads. Definitions: [`scenes::push`].
+//! In: a take that stands, the other engine. Out: a check of the two maps' mean ratios. Definitions: [`studies::push`].
 
-use std::cell::RefCell;
-use std::path::{Path, PathBuf};
-use std::rc::Rc;
+use sim::{EngineEntry, rapier};
+use studies::push::{self, PushError, PushMap, PushSettings};
+use takes::Take;
 
-use scenes::Stage;
-use scenes::push::{self, PushError, PushMap, PushSettings, PushTest};
-use sim::WorldError;
-
-use crate::bridge::Bridge;
 use crate::check::Check;
-use crate::environment;
-use crate::ground::{Shared, standing};
 use crate::subject::CrossCheckError;
-use crate::world::MujocoWorld;
 
 /// The mean ratios of the two engines differ by no more than this part of MuJoCo's.
 pub const MEAN_WITHIN: f64 = 0.10;
 
-thread_local! {
-    /// This thread's MuJoCo.
-    static OWN: RefCell<Option<(PathBuf, Shared)>> = const { RefCell::new(None) };
-}
-
-/// The MuJoCo of this thread, started by its first use.
-fn own(python: &Path) -> Result<Shared, WorldError> {
-    OWN.with_borrow_mut(|own| match own {
-        Some((of, bridge)) if of == python => Ok(bridge.clone()),
-        _ => {
-            let bridge = Bridge::start(python).map_err(|e| WorldError::Engine(e.to_string()))?;
-            let bridge = Rc::new(RefCell::new(bridge));
-            *own = Some((python.to_owned(), bridge.clone()));
-            Ok(bridge)
-        }
-    })
-}
-
-/// A map of a stage in MuJoCo; `say` is told when its environment is made, `progress` the fraction done, from any
-/// thread.
-///
-/// # Errors
-/// No MuJoCo; what [`PushTest`] finds wrong.
-pub fn map(
-    stage: &Stage,
-    settings: PushSettings,
-    say: &mut dyn FnMut(&str),
-    progress: &(dyn Fn(f64) + Sync),
-) -> Result<PushMap, CrossCheckError> {
-    let python = environment::prepare(say)?;
-    let integration = standing();
-    let test = PushTest::new(stage, settings, |character: &_, world, q: &[f64], v: &[f64]| {
-        MujocoWorld::new(own(&python)?, &integration, character, world, q, v)
-    })?;
-    Ok(test.map(progress)?)
-}
-
-/// The maps of a stage in both engines.
+/// The maps of a take in both engines.
 pub struct PushPair {
     /// Mean ratio, ours and MuJoCo's.
     pub check: Check,
@@ -69,20 +22,21 @@ pub struct PushPair {
     pub theirs: PushMap,
 }
 
-/// Makes both maps and compares their mean ratios.
+/// Makes the map of a take in rapier and in the engine `theirs` and compares their mean ratios; `progress` is called with the
+/// fraction done, from any thread.
 ///
 /// # Errors
-/// As [`map`]. A body that stands in one engine only is one here.
+/// What [`push::map`] finds wrong. A body that stands in one engine only is one here.
 pub fn compare(
-    stage: &Stage,
+    take: &Take,
     settings: PushSettings,
-    say: &mut dyn FnMut(&str),
+    theirs: &EngineEntry,
     progress: &(dyn Fn(f64) + Sync),
 ) -> Result<PushPair, CrossCheckError> {
     // rapier's share of the time
     const FIRST: f64 = 0.15;
-    let ours = push::map(stage, settings, &|x| progress(FIRST * x))?;
-    let theirs = map(stage, settings, say, &|x| progress(FIRST + (1.0 - FIRST) * x))?;
+    let ours = push::map(take, settings, &rapier::engine(), &|x| progress(FIRST * x))?;
+    let theirs = push::map(take, settings, theirs, &|x| progress(FIRST + (1.0 - FIRST) * x))?;
     Ok(PushPair { check: check(&ours, &theirs), ours, theirs })
 }
 

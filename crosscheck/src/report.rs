@@ -13,9 +13,10 @@ use plots::panel::{Clock, Key, Panel, Series, page};
 use plots::style;
 use serde_json::json;
 
+use crate::box_contact::LandingRun;
 use crate::check::{Check, Measure};
 use crate::forward::{ForwardRun, RATES_HZ};
-use crate::ground::{LandingRun, SceneRun};
+use crate::ground::SceneRun;
 use crate::subject::CrossCheck;
 
 /// A number with as many digits as it takes to see the difference, within 10 characters.

@@ -8,8 +8,8 @@
 //! coordinate, none zero. Contacts, limits, springs, dampers, actuators, friction losses, equalities and rotor
 //! inertias are off in MuJoCo.
 
-use dynamics::mujoco_layout::Layout;
 use dynamics::{Model, State};
+use formats::mujoco_layout::Layout;
 use motion::rotation::exp;
 use motion::{Joint, Quat, Vec3};
 use nalgebra::DMatrix;

@@ -7,29 +7,31 @@
 //! |---|---|---|---|
 //! | scene `.ron`, clip `.bvh` | its character | the same, as MJCF | states, motion, and on its feet: contact |
 //! | character `.ron` | the character | the same, as MJCF | states |
-//! | MJCF `.xml`, URDF `.urdf` | as [`dynamics::import`] reads it | as MuJoCo reads it | states |
+//! | MJCF `.xml`, URDF `.urdf` | as [`formats::model`] reads it | as MuJoCo reads it | states |
 
-use std::cell::RefCell;
 use std::path::{Path, PathBuf};
-use std::rc::Rc;
 use std::sync::Mutex;
 
-use dynamics::import::{self, ImportError, ImportOptions, Imported};
-use dynamics::mjcf::{self, MjcfError, MjcfOptions};
-use dynamics::mujoco_layout::Layout;
-use dynamics::{Character, Model, RootMode};
+use bodies::Character;
+use dynamics::{Model, RootMode};
+use formats::mjcf::{self, MjcfError, MjcfOptions};
+use formats::model::{ImportError, ImportOptions, Imported};
+use formats::mujoco_layout::Layout;
 use motion::{Quat, Vec3};
 use scenes::Patch;
+use scenes::library::{self, Kind};
 use scenes::overrides::{Overrides, RootChoice};
-use scenes::push::PushSettings;
-use scenes::{Stage, StageError};
 use sim::PassError;
+use studies::push::PushSettings;
+use takes::{Ask, Take, TakeError};
 
-use crate::bridge::{Bridge, BridgeError, Source};
+use crate::box_contact::{self, LandingRun};
+use crate::bridge::{Bridge, BridgeError, Shared, Source, lock};
 use crate::check::Check;
+use crate::engine::engine;
 use crate::environment::{self, EnvironmentError};
 use crate::forward::{self, ForwardRun};
-use crate::ground::{self, LandingRun, SceneRun};
+use crate::ground::{self, SceneRun};
 use crate::inject::{Injection, InjectionError};
 use crate::push::{self, PushPair};
 use crate::rigid::{self, OFF, Pair};
@@ -75,7 +77,7 @@ impl Default for Options {
 pub enum CrossCheckError {
     /// A scene, clip or character file.
     #[error(transparent)]
-    Stage(#[from] StageError),
+    Take(#[from] TakeError),
     /// A model file.
     #[error(transparent)]
     Import(#[from] ImportError),
@@ -112,10 +114,10 @@ pub enum CrossCheckError {
     Pass(#[from] PassError),
     /// A body that cannot be pushed.
     #[error(transparent)]
-    Push(scenes::push::PushError),
+    Push(studies::push::PushError),
     /// An engine that failed.
     #[error(transparent)]
-    World(#[from] sim::WorldError),
+    Engine(#[from] sim::EngineError),
 }
 
 impl CrossCheckError {
@@ -126,7 +128,7 @@ impl CrossCheckError {
         }
         matches!(
             self,
-            Self::Stage(_)
+            Self::Take(_)
                 | Self::Import(_)
                 | Self::Kind(_)
                 | Self::NoScene(_)
@@ -181,26 +183,26 @@ pub enum Event<'a> {
 enum Subject {
     Model(Box<Imported>),
     Character(Character),
-    Stage(Box<Stage>),
+    Take(Box<Take>),
 }
 
-/// Runs a cross-check; `say` is told what is being done.
+/// Runs a cross-check; `on_event` receives what is being done.
 ///
 /// # Errors
 /// [`CrossCheckError`]. Checks that fail are no error.
 pub fn run(
     path: &Path,
     options: &Options,
-    say: &mut (dyn FnMut(Event<'_>) + Send),
+    on_event: &mut (dyn FnMut(Event<'_>) + Send),
 ) -> Result<CrossCheck, CrossCheckError> {
     let subject = open(path, options)?;
-    if options.push_map.is_some() && !matches!(subject, Subject::Stage(_)) {
+    if options.push_map.is_some() && !matches!(subject, Subject::Take(_)) {
         return Err(CrossCheckError::NoScene(path.display().to_string()));
     }
     let other = options.against.as_deref().map(|p| open(p, options).map(|s| (p, s))).transpose()?;
-    let python = environment::prepare(&mut |text| say(Event::Note(text)))?;
-    say(Event::Part("random states", 0.0));
-    let bridge = Rc::new(RefCell::new(Bridge::start(&python)?));
+    let python = environment::prepare(&mut |text| on_event(Event::Note(text)))?;
+    on_event(Event::Part("random states", 0.0));
+    let bridge = Bridge::start(&python)?.shared();
     let name = path.file_stem().map_or_else(|| "model".into(), |s| s.to_string_lossy().into_owned());
     let mut out = CrossCheck {
         name,
@@ -240,7 +242,7 @@ pub fn run(
             };
             out.checks = states(&character, ours.gravity, &theirs, &bridge, options)?;
         }
-        Subject::Character(_) | Subject::Stage(_) => {
+        Subject::Character(_) | Subject::Take(_) => {
             let (character, gravity) = subject.body();
             let there = match &other {
                 None => character,
@@ -257,32 +259,32 @@ pub fn run(
             out.checks = states(&wrong(character)?, gravity, &theirs, &bridge, options)?;
         }
     }
-    if let (Subject::Stage(stage), false) = (&subject, options.states_only) {
-        engines(path, stage, options, &bridge, &mut out, say)?;
+    if let (Subject::Take(take), false) = (&subject, options.states_only) {
+        engines(path, take, options, &bridge, &mut out, on_event)?;
     }
-    if let (Subject::Stage(stage), Some(settings)) = (&subject, options.push_map) {
-        pushes(stage, settings, &mut out, say)?;
+    if let (Subject::Take(take), Some(settings)) = (&subject, options.push_map) {
+        pushes(take, settings, &mut out, on_event)?;
     }
     Ok(out)
 }
 
-/// The push-recovery maps of a stage in both engines.
+/// The push-recovery maps of a take in both engines.
 fn pushes(
-    stage: &Stage,
+    take: &Take,
     settings: PushSettings,
     out: &mut CrossCheck,
-    say: &mut (dyn FnMut(Event<'_>) + Send),
+    on_event: &mut (dyn FnMut(Event<'_>) + Send),
 ) -> Result<(), CrossCheckError> {
-    say(Event::Part("push maps", 0.0));
-    let say = Mutex::new(say);
-    let tell = |event: Event<'_>| {
-        if let Ok(mut say) = say.lock() {
-            say(event);
+    on_event(Event::Part("push maps", 0.0));
+    let on_event = Mutex::new(on_event);
+    let send = |event: Event<'_>| {
+        if let Ok(mut on_event) = on_event.lock() {
+            on_event(event);
         }
     };
-    let pair = push::compare(stage, settings, &mut |text| tell(Event::Note(text)), &|x| {
-        tell(Event::Part("push maps", x));
-    })?;
+    // the environment was prepared above, so there is nothing to note
+    let theirs = engine(|_| {});
+    let pair = push::compare(take, settings, &theirs, &|x| send(Event::Part("push maps", x)))?;
     out.checks.push(pair.check.clone());
     out.push = Some(pair);
     Ok(())
@@ -292,31 +294,34 @@ impl Subject {
     fn body(&self) -> (&Character, Vec3) {
         match self {
             Self::Model(m) => (&m.character, m.gravity),
-            Self::Character(c) => (c, Vec3::new(0.0, -9.81, 0.0)),
-            Self::Stage(s) => (&s.character, s.physics.gravity),
+            Self::Character(c) => (c, dynamics::conditions::GRAVITY),
+            Self::Take(s) => (s.character(), s.conditions.physics.gravity),
         }
     }
 }
 
 fn open(path: &Path, options: &Options) -> Result<Subject, CrossCheckError> {
-    let kind = path.extension().map(|e| e.to_string_lossy().to_lowercase());
-    match kind.as_deref() {
-        Some("xml" | "mjcf" | "urdf") => {
-            let read = ImportOptions { dynamics_only: options.dynamics_only };
-            Ok(Subject::Model(Box::new(import::open(path, &read)?)))
-        }
-        Some("ron") => match scenes::character_in(path).map_err(StageError::from)? {
-            Some(character) => Ok(Subject::Character(character)),
-            None => Ok(Subject::Stage(Box::new(stage_of(path, None, options)?))),
-        },
-        Some("bvh") => Ok(Subject::Stage(Box::new(stage_of(path, None, options)?))),
-        _ => Err(CrossCheckError::Kind(path.display().to_string())),
+    let path = &library::resolve(path, &[Kind::Scene, Kind::Character]).map_err(TakeError::from)?;
+    let take = || Ok(Subject::Take(Box::new(take_of(path, None, options)?)));
+    if formats::table::is_model(path) {
+        let read = ImportOptions { dynamics_only: options.dynamics_only };
+        return Ok(Subject::Model(Box::new(formats::open_model(path, &read)?)));
+    }
+    if formats::table::is_clip(path) {
+        return take();
+    }
+    if !path.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("ron")) {
+        return Err(CrossCheckError::Kind(path.display().to_string()));
+    }
+    match takes::character_in(path).map_err(TakeError::from)? {
+        Some(character) => Ok(Subject::Character(character)),
+        None => take(),
     }
 }
 
-fn stage_of(path: &Path, root: Option<RootChoice>, options: &Options) -> Result<Stage, StageError> {
+fn take_of(path: &Path, root: Option<RootChoice>, options: &Options) -> Result<Take, TakeError> {
     let overrides = Overrides { patch: options.patch.clone(), root, ..Overrides::default() };
-    scenes::open_with(path, None, &Default::default(), &overrides)
+    takes::open(path, &Ask { overrides, ..Ask::default() })
 }
 
 struct Theirs<'a> {
@@ -331,10 +336,10 @@ fn states(
     character: &Character,
     gravity: Vec3,
     theirs: &Theirs<'_>,
-    bridge: &RefCell<Bridge>,
+    bridge: &Shared,
     options: &Options,
 ) -> Result<Vec<Check>, CrossCheckError> {
-    let mut bridge = bridge.borrow_mut();
+    let mut bridge = lock(bridge);
     let info = bridge.load(&theirs.source, &OFF, true)?;
     let model = Model::new(character, gravity);
     let places = info.places(&character.skeleton, theirs.joints)?;
@@ -352,39 +357,41 @@ fn states(
     Ok(rigid::compare(&pair, &mut bridge, options.seed, options.states)?)
 }
 
-/// Motion and contact of a stage. Faults are put into our side by giving MuJoCo the stage as it was.
+/// Motion and contact of a take. Faults are put into our side by giving MuJoCo the take as it was.
 fn engines(
     path: &Path,
-    stage: &Stage,
+    take: &Take,
     options: &Options,
-    bridge: &ground::Shared,
+    bridge: &Shared,
     out: &mut CrossCheck,
-    say: &mut dyn FnMut(Event<'_>),
+    on_event: &mut dyn FnMut(Event<'_>),
 ) -> Result<(), CrossCheckError> {
     let faulty = !options.inject.is_empty() || options.against.is_some();
     if faulty {
-        // the states have told already; two different bodies do not move alike
+        // against another body only the states are compared: different bodies move differently
         return Ok(());
     }
-    let free = matches!(stage.character.skeleton.links()[0].joint, motion::Joint::Free);
-    let pinned = if free { stage_of(path, Some(RootChoice::Pinned), options)? } else { stage.clone() };
-    say(Event::Part("motion without contact", 0.0));
-    let forward = forward::compare(bridge, &pinned, &mut |x| say(Event::Part("motion without contact", x)))?;
+    let free = matches!(take.body.character.skeleton.links()[0].joint, motion::Joint::Free);
+    let pinned = if free { take_of(path, Some(RootChoice::Pinned), options)? } else { take.clone() };
+    on_event(Event::Part("motion without contact", 0.0));
+    let forward =
+        forward::compare(bridge, &pinned, &mut |x| on_event(Event::Part("motion without contact", x)))?;
     out.checks.extend(forward.checks.clone());
     out.forward = Some(forward);
-    let on_feet = stage.physics.root == RootMode::Free && free && stage.physics.ground.is_some();
-    if !on_feet || stage.plants.is_empty() {
+    let on_feet =
+        take.conditions.physics.root == RootMode::Free && free && take.conditions.physics.ground.is_some();
+    if !on_feet || take.asked.plants.is_empty() {
         return Ok(());
     }
-    say(Event::Part("boxes", 0.0));
-    out.checks.extend(ground::resting_box(bridge)?);
-    let landing = ground::landing(bridge)?;
+    on_event(Event::Part("boxes", 0.0));
+    out.checks.extend(box_contact::resting_box(bridge)?);
+    let landing = box_contact::landing(bridge)?;
     out.checks.extend(landing.checks.clone());
     out.landing = Some(landing);
-    say(Event::Part("standing", 0.0));
-    out.checks.push(ground::standing_weight(bridge, stage)?);
-    say(Event::Part("on its feet", 0.0));
-    let scene = ground::scene(bridge, stage, &mut |x| say(Event::Part("on its feet", x)))?;
+    on_event(Event::Part("standing", 0.0));
+    out.checks.push(ground::standing_weight(bridge, take)?);
+    on_event(Event::Part("on its feet", 0.0));
+    let scene = ground::scene(bridge, take, &mut |x| on_event(Event::Part("on its feet", x)))?;
     out.checks.extend(scene.checks.clone());
     out.scene = Some(scene);
     Ok(())

@@ -2,34 +2,27 @@
 //!
 //! MuJoCo's Python environment is made on the first run.
 
-use std::cell::RefCell;
-use std::path::Path;
-use std::rc::Rc;
-
+use bodies::Carried;
 use controllers::Drive;
-use crosscheck::bridge::Bridge;
-use crosscheck::ground::{self, Shared};
-use crosscheck::world::{Integration, MujocoWorld};
+use crosscheck::bridge::{Bridge, Shared};
+use crosscheck::ground;
+use crosscheck::mujoco::{Integration, Mujoco};
 use crosscheck::{Check, environment, push};
-use dynamics::Carried;
 use motion::Vec3;
-use scenes::Stage;
-use scenes::push::PushSettings;
-use sim::{Engine, WorldSettings};
+use sim::{Engine, EngineSettings};
+use studies::push::PushSettings;
+use takes::{Ask, Input, Take};
 
 fn bridge() -> Shared {
     let python = environment::prepare(&mut |_| {}).unwrap();
-    Rc::new(RefCell::new(Bridge::start(&python).unwrap()))
+    Bridge::start(&python).unwrap().shared()
 }
 
 /// A standing human with these fields in its scene.
-fn scene(fields: &str) -> Stage {
-    let human = Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../scenes/characters/human.ron"));
-    let folder = tempfile::tempdir().unwrap();
-    let path = folder.path().join("scene.ron");
-    let text = format!("Scene(character: {:?}, rate_hz: 60, {fields})", human.to_str().unwrap());
-    std::fs::write(&path, text).unwrap();
-    scenes::open(&path, None, &Default::default()).unwrap_or_else(|e| panic!("{e}"))
+fn scene(fields: &str) -> Take {
+    let ron = format!("Scene(character: \"characters/human.ron\", rate_hz: 60, {fields})");
+    takes::open(Input::Text { ron, base: support::root().join("scenes") }, &Ask::default())
+        .unwrap_or_else(|e| panic!("{e}"))
 }
 
 fn failed(checks: &[Check]) -> Vec<String> {
@@ -39,11 +32,11 @@ fn failed(checks: &[Check]) -> Vec<String> {
 
 /// A push that is too hard ends in a fall in both engines, told by the same story.
 #[test]
-fn a_fall_is_a_fall_in_both() {
-    let stage = scene(
+fn slow_a_fall_is_a_fall_in_both() {
+    let take = scene(
         "settle_s: 2, pushes: [Push(link: \"pelvis\", impulse_ns: 70, towards_deg: 180, start_s: 0.3)]",
     );
-    let run = ground::scene(&bridge(), &stage, &mut |_| {}).unwrap();
+    let run = ground::scene(&bridge(), &take, &mut |_| {}).unwrap();
     let verdict = &run.checks[0];
     println!("{}", verdict.at);
     assert_eq!((verdict.ours, verdict.mujoco, verdict.pass), (0.0, 0.0, true), "{}", verdict.at);
@@ -55,12 +48,12 @@ fn a_fall_is_a_fall_in_both() {
 
 /// A slope and a crate that comes and goes: the same forces in both.
 #[test]
-fn a_slope_and_a_crate_weigh_the_same_in_both() {
-    let stage = scene(
+fn slow_a_slope_and_a_crate_weigh_the_same_in_both() {
+    let take = scene(
         "settle_s: 1.8, world: (ground: Plane(friction: 0.8, tilt_deg: 4, towards_deg: 20)),
         carried: [Carried(link: \"chest\", mass_kg: 5, at_m: (0.05, 0, 0.2), from_s: 0.8, to_s: 1.3)]",
     );
-    let run = ground::scene(&bridge(), &stage, &mut |_| {}).unwrap();
+    let run = ground::scene(&bridge(), &take, &mut |_| {}).unwrap();
     assert_eq!(failed(&run.checks), [""; 0]);
     // m g with the crate and without, at the ends of the two spans
     for trace in [&run.ours, &run.theirs] {
@@ -77,19 +70,19 @@ fn a_slope_and_a_crate_weigh_the_same_in_both() {
 
 /// Ground that tilts under the feet: the same forces and the same verdict in both.
 #[test]
-fn a_seesaw_is_one_in_both() {
-    let stage = scene(
+fn slow_a_seesaw_is_one_in_both() {
+    let take = scene(
         "settle_s: 2.4, world: (ground: Plane(friction: 0.8, tilts: [
             Tilt(start_s: 0.3, duration_s: 0.7, tilt_deg: 5, towards_deg: 30),
             Tilt(start_s: 1.2, duration_s: 0.7)]))",
     );
-    let run = ground::scene(&bridge(), &stage, &mut |_| {}).unwrap();
+    let run = ground::scene(&bridge(), &take, &mut |_| {}).unwrap();
     assert_eq!(failed(&run.checks), [""; 0]);
     // the soles of both ride on the ground
-    let sole = stage.character.skeleton.sites()[stage.character.contacts[0]].clone();
+    let sole = take.body.character.skeleton.sites()[take.body.character.contacts[0]].clone();
     for trace in [&run.ours, &run.theirs] {
         let row = (1.1 * trace.rate_hz) as usize;
-        let k = motion::Kinematics::new(&stage.character.skeleton, trace.pose(row));
+        let k = motion::Kinematics::new(&take.body.character.skeleton, trace.pose(row));
         let p = k.point(sole.link, &sole.at);
         println!(
             "{:.3} mm over the ground, {:.1} mm over where it was",
@@ -102,9 +95,9 @@ fn a_seesaw_is_one_in_both() {
 
 /// A mass handed over in flight: MuJoCo's body is from then on one built with it.
 #[test]
-fn a_body_that_is_given_a_mass_is_one_with_it() {
-    let human = dynamics::anthropometry::human::human().0;
-    let settings = WorldSettings {
+fn slow_a_body_that_is_given_a_mass_is_one_with_it() {
+    let human = bodies::anthropometry::human::human().0;
+    let settings = EngineSettings {
         rate_hz: 240.0,
         substeps: 1,
         gravity: Vec3::new(0.0, -9.81, 0.0),
@@ -117,9 +110,9 @@ fn a_body_that_is_given_a_mass_is_one_with_it() {
         let link = human.skeleton.link(name).unwrap();
         let load = Carried::solid_box(link, 5.0, Vec3::new(0.1, -0.2, 0.15), Vec3::new(0.3, 0.2, 0.1));
         let heavy = human.carrying([&load]);
-        let build = |c: &dynamics::Character| {
+        let build = |c: &bodies::Character| {
             let integration = Integration::reference(2);
-            MujocoWorld::new(bridge(), &integration, c, settings, &human.rest, &v).unwrap()
+            Mujoco::new(bridge(), &integration, c, settings, &human.rest, &v).unwrap()
         };
         let (mut given, mut built, mut light) = (build(&human), build(&heavy), build(&human));
         given.set_masses(&heavy).unwrap();
@@ -130,9 +123,8 @@ fn a_body_that_is_given_a_mass_is_one_with_it() {
                 world.step().unwrap();
             }
         }
-        let apart = |a: &MujocoWorld, b: &MujocoWorld| {
-            a.v().iter().zip(b.v()).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max)
-        };
+        let apart =
+            |a: &Mujoco, b: &Mujoco| a.v().iter().zip(b.v()).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
         println!("{name}: {:.1e}, without {:.1e}", apart(&given, &built), apart(&given, &light));
         assert!(apart(&given, &built) < 1e-9, "{name}: {}", apart(&given, &built));
         assert!(apart(&given, &light) > 1e-3, "{name}");
@@ -141,11 +133,11 @@ fn a_body_that_is_given_a_mass_is_one_with_it() {
 
 /// Pushes forward and back, coarse: both engines find the same border within the tolerance of the demand.
 #[test]
-fn push_maps_agree() {
+fn slow_push_maps_agree() {
     let settings =
         PushSettings { directions: 2, tolerance: 0.08, at_s: 0.5, after_s: 2.0, ..PushSettings::default() };
-    let pair = push::compare(&scene("settle_s: 1"), settings, &mut |_| {}, &|_| {}).unwrap();
+    let pair = push::compare(&scene("settle_s: 1"), settings, &crosscheck::engine(|_| {}), &|_| {}).unwrap();
     println!("{} and {}", pair.ours.mean_ratio, pair.theirs.mean_ratio);
-    assert_eq!((pair.ours.engine, pair.theirs.engine), ("rapier", "mujoco"));
+    assert_eq!((pair.ours.engine.as_str(), pair.theirs.engine.as_str()), ("rapier", "mujoco"));
     assert!(pair.check.pass, "{:?}", pair.check);
 }

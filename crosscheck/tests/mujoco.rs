@@ -6,18 +6,18 @@
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
+use bodies::{Body, Character, JointClass};
 use crosscheck::{CrossCheck, Injection, Options, run};
-use dynamics::{Body, Character, JointClass};
 use motion::rotation::exp;
 use motion::{Joint, Link, Skeleton, Vec3};
 use nalgebra::Matrix3;
 
 fn shared(name: &str) -> PathBuf {
-    Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../../shared/models")).join(name)
+    support::shared(&format!("models/{name}"))
 }
 
 fn human() -> PathBuf {
-    Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../scenes/characters/human.ron")).to_owned()
+    support::scene("characters/human.ron")
 }
 
 fn check(path: &Path, options: &Options) -> CrossCheck {
@@ -36,7 +36,7 @@ fn agrees(path: &Path, options: &Options) {
 
 /// Every model of the zoo, read by us and by MuJoCo apart, and our own human through MJCF of our writing.
 #[test]
-fn models_agree_to_rounding() {
+fn slow_models_agree_to_rounding() {
     let zoo = ["humanoid", "humanoid_CMU", "quadruped", "walker", "manipulator"];
     let options = Options { dynamics_only: true, ..Options::default() };
     for name in zoo {
@@ -108,7 +108,7 @@ fn a_fixed_chain_agrees_to_rounding() {
 
 /// Each fault put into our side is found, and the quantity that shows it is named with its place.
 #[test]
-fn faults_are_found_and_named() {
+fn slow_faults_are_found_and_named() {
     let faults = [
         ("mass:right_lower_arm*1.01", "masses", "`right_lower_arm`"),
         ("com:right_shin+0,0,0.001", "centres of mass of the bodies", "`right_shin`"),
@@ -129,7 +129,7 @@ fn faults_are_found_and_named() {
 
 /// The same through the file: MuJoCo is given a second version of the model.
 #[test]
-fn a_changed_file_is_found() {
+fn slow_a_changed_file_is_found() {
     let folder = tempfile::tempdir().unwrap();
     let text = std::fs::read_to_string(shared("dm_control/humanoid.xml")).unwrap();
     let changes = [
@@ -158,7 +158,7 @@ fn a_changed_file_is_found() {
 
 /// The same seed gives the same table, to the digit.
 #[test]
-fn the_same_seed_gives_the_same_table() {
+fn slow_the_same_seed_gives_the_same_table() {
     let options = Options { states: 50, seed: 7, ..Options::default() };
     let table = || crosscheck::report::json(&check(&human(), &options));
     assert_eq!(table(), table());

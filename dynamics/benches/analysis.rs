@@ -4,15 +4,15 @@
 
 use std::hint::black_box;
 
+use bodies::anthropometry::human::human;
 use criterion::{Criterion, criterion_group, criterion_main};
-use dynamics::anthropometry::human::human;
 use dynamics::{AnalysisOptions, analyze};
 use motion::rotation::{Vec3, exp};
 use motion::smooth::{Smoothing, smooth};
 use motion::{Clip, Joint};
 
 /// The human sways: every ball and hinge on its own slow sines, with a little noise.
-fn clip(character: &dynamics::Character) -> Clip {
+fn clip(character: &bodies::Character) -> Clip {
     let s = &character.skeleton;
     let rate = 120.0;
     let mut q = Vec::new();

@@ -14,7 +14,7 @@ use std::fmt::Write as _;
 use std::hint::black_box;
 use std::path::Path;
 
-use dynamics::anthropometry::human::human;
+use bodies::anthropometry::human::human;
 use dynamics::{ForwardDynamics, InverseDerivatives, Model, State};
 use motion::{Joint, Vec3};
 use nalgebra::DMatrix;

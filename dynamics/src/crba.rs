@@ -16,7 +16,7 @@ use crate::model::{BodyState, Model, MovingBody, State};
 
 /// A body with all it carries, about the body's origin, world axes.
 #[derive(Clone, Copy, Debug, Default)]
-pub(crate) struct Carried {
+pub(crate) struct Composite {
     /// Mass, kg.
     mass: f64,
     /// Mass times centre of mass, kg·m.
@@ -25,7 +25,7 @@ pub(crate) struct Carried {
     second: [f64; 6],
 }
 
-impl Carried {
+impl Composite {
     #[inline(always)]
     fn of(b: &MovingBody, s: &BodyState) -> Self {
         let i = &s.inertia;
@@ -205,7 +205,7 @@ impl State {
         let mut target = Target { m: m.as_mut_slice(), n };
         target.m.fill(0.0);
         for ((c, b), s) in self.carried.iter_mut().zip(&model.bodies).zip(&self.bodies) {
-            *c = Carried::of(b, s);
+            *c = Composite::of(b, s);
         }
         let states = &self.bodies;
         for (i, b) in model.bodies.iter().enumerate().rev() {

@@ -46,8 +46,9 @@ use std::ops::{Add, AddAssign};
 use motion::{Joint, Vec3};
 use nalgebra::{DMatrix, Matrix3};
 
-use crate::model::{for_each_axis, point_inertia};
+use crate::model::for_each_axis;
 use crate::{Model, State, Wrench};
+use bodies::mass::point_inertia;
 
 /// A spatial vector: a motion (angular; linear) or a force (moment; force), about one fixed point.
 #[derive(Clone, Copy, Debug, Default)]

@@ -24,10 +24,11 @@
 use std::fmt;
 
 use motion::skeleton::vec_at;
-use motion::support::{Support, ground};
-use motion::{Joint, Kinematics, Vec3};
+use motion::support::ground;
+use motion::{Joint, Kinematics, Sole, Vec3};
 
-use crate::{JointClass, Model, RootMode, Trace};
+use crate::{Model, RootMode, Trace};
+use bodies::JointClass;
 
 /// A link other than a foot that carries more than this has fallen on the ground, N.
 pub const CARRIES_N: f64 = 20.0;
@@ -154,11 +155,11 @@ pub fn of(trace: &Trace) -> Option<Fall> {
     Some(at_row(trace, &model, row))
 }
 
-/// The story of a fall that happened in a row.
+/// The fall that happened in a row: the margins lost before it.
 pub fn at_row(trace: &Trace, model: &Model, row: usize) -> Fall {
     let mut search = Search::new(trace, model, row);
     for back in (1..=row).rev() {
-        if !search.see(back) {
+        if !search.examine(back) {
             break;
         }
     }
@@ -181,7 +182,7 @@ impl Watch {
         Self { margin, link, since: None, there: 0, done: false }
     }
 
-    fn see(&mut self, row: usize, gone: bool, most: usize) {
+    fn update(&mut self, row: usize, gone: bool, most: usize) {
         if self.done {
             return;
         }
@@ -194,10 +195,9 @@ impl Watch {
     }
 }
 
-/// A standing foot: its link and its corners, with where they are in the first row of the run and of what was asked.
-struct Sole {
-    link: usize,
-    corners: Vec<(usize, Vec3)>,
+/// A sole that stands in the first row, and its middle there: in the run and in what was asked, world, m.
+struct StandingSole {
+    sole: Sole,
     home: Vec3,
     asked_home: Vec3,
 }
@@ -205,7 +205,7 @@ struct Sole {
 struct Search<'a> {
     trace: &'a Trace,
     model: &'a Model,
-    soles: Vec<Sole>,
+    soles: Vec<StandingSole>,
     joints: Vec<usize>,
     watches: Vec<Watch>,
     most: usize,
@@ -213,29 +213,16 @@ struct Search<'a> {
     asked: Kinematics,
 }
 
-fn middle(corners: &[(usize, Vec3)], k: &Kinematics) -> Vec3 {
-    corners.iter().map(|(link, at)| k.point(*link, at)).sum::<Vec3>() / corners.len() as f64
-}
-
 impl<'a> Search<'a> {
     fn new(trace: &'a Trace, model: &'a Model, fell: usize) -> Self {
         let c = &trace.character;
         let k = Kinematics::new(&c.skeleton, trace.pose(0));
         let asked = Kinematics::new(&c.skeleton, trace.target_pose(0));
-        let sites = c.contacts.iter().map(|&i| &c.skeleton.sites()[i]);
-        let soles = c.legs().filter_map(|leg| {
-            let body = model.body_of[leg.end].0;
-            let corners: Vec<(usize, Vec3)> =
-                sites.clone().filter(|s| model.body_of[s.link].0 == body).map(|s| (s.link, s.at)).collect();
-            let stands = corners.iter().any(|(l, at)| trace.height(0, &k.point(*l, at)) < STANDS_M);
-            stands.then(|| Sole {
-                link: leg.end,
-                home: middle(&corners, &k),
-                asked_home: middle(&corners, &asked),
-                corners,
-            })
-        });
-        let soles: Vec<Sole> = soles.collect();
+        let stands = |sole: &Sole| sole.points(&k).any(|p| trace.height(0, &p) < STANDS_M);
+        let standing = c.leg_soles().into_iter().map(|(_, sole)| sole).filter(stands);
+        let soles: Vec<StandingSole> = standing
+            .map(|sole| StandingSole { home: sole.center(&k), asked_home: sole.center(&asked), sole })
+            .collect();
         let holds = |i: &usize| {
             use JointClass::{Ankle, Hip, Knee, Spine};
             matches!(c.classes[model.bodies[*i].link], Hip | Knee | Ankle | Spine)
@@ -243,7 +230,7 @@ impl<'a> Search<'a> {
         let joints: Vec<usize> = (0..model.bodies.len()).filter(holds).collect();
         let mut watches = vec![Watch::of(Margin::CapturePoint, None), Watch::of(Margin::CenterOfMass, None)];
         for margin in [Margin::FootSlipped, Margin::FootLifted] {
-            watches.extend(soles.iter().map(|s| Watch::of(margin, Some(s.link))));
+            watches.extend(soles.iter().map(|s| Watch::of(margin, Some(s.sole.link))));
         }
         for margin in [Margin::JointLimit, Margin::SlackMuscle] {
             watches.extend(joints.iter().map(|&i| Watch::of(margin, Some(model.bodies[i].link))));
@@ -252,29 +239,27 @@ impl<'a> Search<'a> {
         Self { trace, model, soles, joints, watches, most, k, asked }
     }
 
-    /// Looks at a row; `false` when nothing is left to look for.
-    fn see(&mut self, row: usize) -> bool {
+    /// Updates all margins with a row, going backwards from the fall; `false` when the beginning of each loss is known.
+    fn examine(&mut self, row: usize) -> bool {
         let t = self.trace;
         let skeleton = &t.character.skeleton;
         self.k.update(skeleton, t.pose(row));
         self.asked.update(skeleton, t.target_pose(row));
         let (k, asked) = (&self.k, &self.asked);
-        // what was asked knows the ground of the first row only
-        let lowest = |s: &Sole, k: &Kinematics, row: usize| {
-            s.corners.iter().map(|(l, at)| t.height(row, &k.point(*l, at))).fold(f64::INFINITY, f64::min)
+        // the motion asked for was made for the floor of row 0: its heights are over that floor
+        let lowest = |s: &StandingSole, k: &Kinematics, row: usize| {
+            s.sole.points(k).map(|p| t.height(row, &p)).fold(f64::INFINITY, f64::min)
         };
-        let slipped = |s: &Sole| {
-            let gone = t.unturned(row, &middle(&s.corners, k)) - s.home;
-            let was_to = middle(&s.corners, asked) - s.asked_home;
+        let slipped = |s: &StandingSole| {
+            let gone = t.unturned(row, &s.sole.center(k)) - s.home;
+            let was_to = s.sole.center(asked) - s.asked_home;
             ground(&(gone - was_to)).norm() > SLIPPED_M
         };
         let lifted: Vec<bool> =
             self.soles.iter().map(|s| lowest(s, k, row) > lowest(s, asked, 0).max(0.0) + LIFTED_M).collect();
         let all = lifted.iter().all(|l| *l);
         let standing = self.soles.iter().zip(&lifted).filter(|(_, lifted)| all || !**lifted);
-        let corners: Vec<Vec3> =
-            standing.flat_map(|(s, _)| s.corners.iter().map(|(l, at)| k.point(*l, at))).collect();
-        let support = Support::of(&corners);
+        let support = Sole::support(standing.map(|(s, _)| &s.sole), k);
         let com = t.com_at(row);
         let omega = (t.gravity.norm() / t.height(row, &com).max(0.2)).sqrt();
         let velocity = vec_at(&t.momentum, 6 * row) / t.mass_at(row);
@@ -298,7 +283,7 @@ impl<'a> Search<'a> {
             }),
         );
         for (watch, gone) in self.watches.iter_mut().zip(gone) {
-            watch.see(row, gone, self.most);
+            watch.update(row, gone, self.most);
         }
         self.watches.iter().any(|w| !w.done)
     }

@@ -93,7 +93,7 @@ impl ForwardDynamics {
         state.mass_matrix(model, &mut self.factor);
         let (n, up) = (self.inboard.len(), &self.inboard);
         let l = self.factor.as_mut_slice();
-        // both triangles are at hand: columns of the upper one are rows of L, contiguous
+        // the matrix is stored whole and by columns: column k of its upper triangle is row k of L, contiguous in memory
         for k in (0..n).rev() {
             let (inner, row) = l.split_at_mut(k * n);
             let row = &mut row[..=k];

@@ -1,4 +1,4 @@
-//! Ground forces of one motion, as several witnesses tell them: in total and per foot.
+//! Ground forces of one motion from several sources: in total and per foot.
 //!
 //! In: an [`Analysis`] (what the motion requires), a [`Penalty`] evaluated on the motion (what that
 //! contact model gives), a [`Trace`] (what an engine measured). Out: [`GroundForces`], one row per
@@ -7,12 +7,12 @@
 //! *Required*, total: `ṗ − m g` of the motion. Per foot only the sum is determined while both feet stand;
 //! it is divided as an elastic floor under the soles would divide it ([`crate::analysis::ground`]).
 //!
-//! *Given*: (13), (14) at every contact point of the character. A penalty model stands a little inside the
-//! ground, and nobody knows the height of a ground to the tenth of a millimetre that its force depends on;
-//! so the whole motion is lowered by the one shift at which the mean vertical force is the required one.
-//! Only the course of the vertical force is then the model's own. There are no anchors r̂: a foot that
-//! creeps by tenths of a millimetre, as every recorded one does, would be pulled back by hundreds of newtons.
-//! The horizontal force is that of slip alone, next to nothing under a foot that stands.
+//! *Given*: (13), (14) at every contact point of the character. A penalty model stands a little inside the ground, and
+//! its force changes by the body's weight within a millimetre or two of height, more exactly than a captured ground is known.
+//! So the whole motion is lowered by the one shift at which the mean vertical force is the required one; only the course
+//! of the vertical force over time is then the model's. There are no anchors r̂: recorded feet that stand creep by tenths of
+//! a millimetre, and anchors would pull them back with hundreds of newtons. The horizontal force is that of slip
+//! alone, almost zero under a foot that stands.
 //!
 //! *Measured*: contact forces on a foot and all links it carries; of other links in the total only.
 
@@ -20,7 +20,8 @@ use motion::Vec3;
 use motion::skeleton::vec_at;
 
 use crate::penalty::PenaltyError;
-use crate::{Analysis, Character, Model, Penalty, State, Trace};
+use crate::{Analysis, Model, Penalty, State, Trace};
+use bodies::Character;
 
 /// Force on one foot.
 #[derive(Clone, Debug, PartialEq)]
@@ -85,7 +86,7 @@ impl GroundForces {
         let (Some(ground), false) = (a.ground_m, character.contacts.is_empty()) else { return Ok(None) };
         let points = character.contacts.len();
         let penalty = Penalty::for_body(a.mass, a.gravity.norm(), points, sink_m)?;
-        let soles = Soles::of(character, a, ground);
+        let soles = SolePoints::of(character, a, ground);
         let wanted: f64 = (0..a.frames()).map(|k| a.required_force[3 * k + 1]).sum();
         let sum = |shift: f64| -> f64 {
             soles.points.iter().map(|p| penalty.normal(p.height - shift, p.velocity.y)).sum()
@@ -100,7 +101,7 @@ impl GroundForces {
         }
         let lowered_m = 0.5 * (lo + hi);
         let owner = owners(character);
-        let mut out = Self::still(character, a.frames(), a.rate_hz());
+        let mut out = Self::zeros(character, a.frames(), a.rate_hz());
         for (i, p) in soles.points.iter().enumerate() {
             let (row, c) = (i / points, i % points);
             let rate = [p.velocity.x, p.velocity.z];
@@ -113,11 +114,11 @@ impl GroundForces {
     /// What an engine measured.
     pub fn measured(trace: &Trace) -> Self {
         let owner = owners(&trace.character);
-        let mut out = Self::still(&trace.character, trace.rows(), trace.rate_hz);
+        let mut out = Self::zeros(&trace.character, trace.rows(), trace.rate_hz);
         for c in &trace.contacts {
             out.add(c.row, owner[c.link], c.force);
         }
-        // no force has acted yet at the start
+        // row 0 is the state at the start: no step has been made, so there is no force
         for forces in std::iter::once(&mut out.total).chain(out.feet.iter_mut().map(|f| &mut f.force)) {
             if let Some(first) = forces.first_mut() {
                 *first = Vec3::repeat(f64::NAN);
@@ -126,7 +127,7 @@ impl GroundForces {
         out
     }
 
-    fn still(character: &Character, rows: usize, rate_hz: f64) -> Self {
+    fn zeros(character: &Character, rows: usize, rate_hz: f64) -> Self {
         let links = character.skeleton.links();
         let limbs = character.legs();
         let feet = limbs.map(|leg| FootForce {
@@ -193,18 +194,20 @@ fn owners(character: &Character) -> Vec<usize> {
     (0..links.len()).map(|link| of(link).unwrap_or(link)).collect()
 }
 
+/// A contact point in one frame.
 struct SolePoint {
     /// Above the ground, m.
     height: f64,
+    /// World, m/s.
     velocity: Vec3,
 }
 
-/// The contact points through a motion, `frames × points`.
-struct Soles {
+/// The contact points of all frames, `frames × points`.
+struct SolePoints {
     points: Vec<SolePoint>,
 }
 
-impl Soles {
+impl SolePoints {
     fn of(character: &Character, a: &Analysis, ground: f64) -> Self {
         let model = Model::new(character, a.gravity);
         let mut state = State::new(&model);

@@ -8,7 +8,8 @@
 use motion::Vec3;
 use nalgebra::{DMatrix, Matrix3};
 
-use crate::model::{Model, State, for_each_axis, fuse, point_inertia};
+use crate::model::{Model, State, for_each_axis};
+use bodies::mass::{fuse, point_inertia};
 
 /// Linear and angular momentum with the point they belong to.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -128,7 +129,7 @@ impl State {
                     let si = &self.bodies[i];
                     for_each_axis(&model.bodies[i], &si.zero, |k, _, angular_i| {
                         let value = if i == j {
-                            // a slide of the same joint does not turn with it
+                            // within one joint the linear axes are fixed in its zero frame: its rotation turns the arm, not them
                             let (turned, other) = (angular_j.cross(&arm), angular_i.cross(&arm));
                             let sum = angular_i.cross(&turned) + angular_j.cross(&other);
                             -0.5 * mass * model.gravity.dot(&sum)

@@ -1,7 +1,7 @@
 //! How a point of a body moves with the joints: its Jacobian, and what its acceleration is without any of theirs.
 //!
 //! In: a [`Model`], its [`State`] at (q, v). Out: columns of `J` and `J̇ v` of `ẍ = J v̇ + J̇ v`, along world axes, m and rad.
-//! `v` and `v̇` have the layout of [`motion::skeleton`].
+//! `v` and `v̇` have the layout of [`motion::skeleton`]. (For a skeleton without masses: [`motion::ik::axes`].)
 //!
 //! Featherstone, Rigid Body Dynamics Algorithms, 2008, §5.3: (5.8) without joint accelerations is J̇ v.
 
@@ -10,6 +10,14 @@ use motion::Vec3;
 use crate::model::{Model, State, for_each_axis};
 
 impl State {
+    /// Columns of the motion subspace of the joint of `body`, world: calls `f(dof, linear, angular)` for each of its degrees of
+    /// freedom, at the body's origin.
+    ///
+    /// Needs [`State::update_pose`] (or `update`); does not allocate.
+    pub fn joint_axes(&self, model: &Model, body: usize, f: impl FnMut(usize, Vec3, Vec3)) {
+        for_each_axis(&model.bodies[body], &self.bodies[body].zero, f);
+    }
+
     /// Columns of the Jacobian of `point` (world, m) as it moves with `body`: calls `f(dof, linear, angular)` for every
     /// degree of freedom inboard of it; all others are zero.
     ///

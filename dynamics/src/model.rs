@@ -14,8 +14,9 @@ use motion::skeleton::{quat_at, vec_at};
 use motion::{Joint, Quat, Skeleton, Transform, Vec3};
 use nalgebra::{Matrix3, Quaternion};
 
-use crate::Character;
-use crate::crba::Carried;
+use crate::crba::Composite;
+use bodies::Character;
+use bodies::mass::fuse;
 
 /// One moving body: a link and every link welded to it.
 #[derive(Clone, Debug)]
@@ -123,22 +124,6 @@ fn turned(t: &Transform) -> Option<Matrix3<f64>> {
     (t.rotation != motion::Quat::identity()).then(|| *t.rotation.to_rotation_matrix().matrix())
 }
 
-/// Mass, centre of mass and inertia of two rigid bodies taken as one (parallel-axis theorem).
-pub fn fuse(a: (f64, Vec3, Matrix3<f64>), b: (f64, Vec3, Matrix3<f64>)) -> (f64, Vec3, Matrix3<f64>) {
-    let mass = a.0 + b.0;
-    if mass == 0.0 {
-        return a;
-    }
-    let com = (a.1 * a.0 + b.1 * b.0) / mass;
-    let inertia = a.2 + point_inertia(a.0, a.1 - com) + b.2 + point_inertia(b.0, b.1 - com);
-    (mass, com, inertia)
-}
-
-/// Inertia of a point mass at `r` about the origin: m (|r|² 1 − r rᵀ).
-pub fn point_inertia(mass: f64, r: Vec3) -> Matrix3<f64> {
-    (Matrix3::identity() * r.norm_squared() - r * r.transpose()) * mass
-}
-
 /// World-frame kinematics of one body.
 #[derive(Clone, Copy, Debug)]
 pub struct BodyState {
@@ -224,7 +209,7 @@ pub struct State {
     pub bodies: Vec<BodyState>,
     pub(crate) flow: Vec<Flow>,
     pub(crate) composite: Vec<(f64, Vec3, Matrix3<f64>)>,
-    pub(crate) carried: Vec<Carried>,
+    pub(crate) carried: Vec<Composite>,
 }
 
 impl State {
@@ -247,7 +232,7 @@ impl State {
             bodies: vec![body; n],
             flow: vec![Flow::zero(); n],
             composite: vec![(0.0, Vec3::zeros(), Matrix3::zeros()); n],
-            carried: vec![Carried::default(); n],
+            carried: vec![Composite::default(); n],
         };
         state.update(model, &model.skeleton.zero_pose(), &vec![0.0; model.nv()]);
         state

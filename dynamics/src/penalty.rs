@@ -99,8 +99,6 @@ pub struct PenaltyError {
 
 /// Damping ratio of a body that bobs on all its points, for [`Penalty::for_body`].
 pub const DAMPING_RATIO: f64 = 0.5;
-/// Coefficient of friction of [`Penalty::for_body`]: a shoe on a floor.
-pub const FRICTION: f64 = 0.8;
 /// `f_0` of [`Penalty::for_body`] as a share of a point's standing load; the paper's corner has the
 /// same width, 0.2 mm, at a sink of 1 mm.
 pub const RESIDUAL_SHARE: f64 = 0.1;
@@ -145,7 +143,7 @@ impl Penalty {
     /// `f_0 = ρ s`, `k_P = (1 − ρ²) s/δ` (the factor makes the sink exactly δ, see
     /// [`Penalty::rest_height`]), `k = 3/δ`, so that the damper is gone a few δ above the ground; `k_D`
     /// gives small vertical motion of the standing body the ratio [`DAMPING_RATIO`] (`k_D` is
-    /// proportional to it). Tangential: `k_tP = k_P`, `k_tD = k_D`, `k_t = 1/s`, `μ = ` [`FRICTION`].
+    /// proportional to it). Tangential: `k_tP = k_P`, `k_tD = k_D`, `k_t = 1/s`, `μ = ` [`motion::floor::FRICTION`].
     /// The ground never pulls.
     ///
     /// * `mass_kg`: of the whole body
@@ -188,7 +186,7 @@ impl Penalty {
             k_d: 0.0,
             f_0,
             k: 3.0 / sink_m,
-            mu: FRICTION,
+            mu: motion::floor::FRICTION,
             k_tp: k_p,
             k_td: 0.0,
             k_t: 1.0 / share,
@@ -317,7 +315,7 @@ impl Penalty {
 /// Forces of the ground on contact points of a posed character: one wrench per point, in their order.
 ///
 /// * `state`: updated for the pose and velocity
-/// * `contacts`: indices into the skeleton's sites, as [`crate::Character::contacts`]
+/// * `contacts`: indices into the skeleton's sites, as [`bodies::Character::contacts`]
 /// * `ground_m`: height of the ground plane
 /// * `anchors`: nominal positions r̂, `[x, z]`, world, m, one per contact, or empty: then slip is zero
 ///   and only `k_tD` resists. Compute them as the contacts' positions when they first touched.

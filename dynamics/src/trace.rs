@@ -9,23 +9,9 @@ use std::sync::Arc;
 
 use motion::{Clip, Quat, Vec3};
 
-use crate::{Carried, Character};
+use bodies::{Carried, Character};
 
-/// What holds the root.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum RootMode {
-    /// Nothing but muscles and contacts.
-    Free,
-    /// A root wrench with a hard budget towards the kinematic path.
-    Assisted {
-        /// Largest force, N.
-        force_n: f64,
-        /// Largest moment, N·m.
-        moment_nm: f64,
-    },
-    /// The root follows the kinematic path; only the limbs are dynamic.
-    Pinned,
-}
+use crate::RootMode;
 
 /// Force at one contact point during one step.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -3,7 +3,7 @@
 //! A binary of its own, because the counting allocator is global.
 
 use allocation_counter::measure;
-use dynamics::anthropometry::human::human;
+use bodies::anthropometry::human::human;
 use dynamics::penalty::{Penalty, contact_forces};
 use dynamics::{ForwardDynamics, InverseDerivatives, Model, State, Wrench};
 use motion::Vec3;

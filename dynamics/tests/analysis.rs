@@ -1,7 +1,8 @@
 //! Laws of the analysis of clips: the books close, the ground stays admissible, noise floors are honest.
 
-use dynamics::anthropometry::human::human;
-use dynamics::{Analysis, AnalysisError, AnalysisOptions, Character, Ground, analyze};
+use bodies::Character;
+use bodies::anthropometry::human::human;
+use dynamics::{Analysis, AnalysisError, AnalysisOptions, FloorChoice, analyze};
 use motion::rotation::{Vec3, exp};
 use motion::skeleton::vec_at;
 use motion::smooth::Smoothing;
@@ -179,7 +180,7 @@ fn the_ground_stays_admissible() {
 fn free_fall_needs_nothing() {
     let (c, _) = human();
     let clip = swaying(&c, 60, 0.0, |t| Vec3::new(t, 3.0 + 2.0 * t - 4.905 * t * t, 0.0), || 0.0);
-    let options = AnalysisOptions { ground: Ground::At(0.0), ..AnalysisOptions::default() };
+    let options = AnalysisOptions { ground: FloorChoice::At(0.0), ..AnalysisOptions::default() };
     let a = analyze(&c, &clip, &options).unwrap(); // smoothed, too: a parabola stays
     assert!(max(&a.required_force) < 1e-4 && max(&a.residual) < 1e-4, "{}", max(&a.required_force));
     assert!(a.flight.iter().all(|f| *f) && a.cop.iter().all(|x| x.is_nan()));
@@ -191,7 +192,7 @@ fn free_fall_needs_nothing() {
 fn without_ground_everything_is_residual() {
     let (c, _) = human();
     let clip = swaying(&c, 30, 0.1, still, || 0.0);
-    let a = analyze(&c, &clip, &AnalysisOptions { ground: Ground::None, ..off() }).unwrap();
+    let a = analyze(&c, &clip, &AnalysisOptions { ground: FloorChoice::None, ..off() }).unwrap();
     assert_eq!(a.residual, a.root_wrench);
     assert_eq!(a.ground_m, None);
     assert!(a.flight.iter().all(|f| *f) && max(&a.ground_force) == 0.0);
@@ -203,7 +204,7 @@ fn the_noise_floor_is_what_noise_does() {
     let (c, _) = human();
     let options = AnalysisOptions {
         smoothing: Smoothing::CutoffHz(8.0),
-        ground: Ground::None,
+        ground: FloorChoice::None,
         soft_tissue: 0.0,
         ..AnalysisOptions::default()
     };
@@ -238,7 +239,7 @@ fn the_noise_floor_knows_what_cancels() {
     let (c, _) = human();
     let options = AnalysisOptions {
         smoothing: Smoothing::CutoffHz(8.0),
-        ground: Ground::None,
+        ground: FloorChoice::None,
         soft_tissue: 0.0,
         ..AnalysisOptions::default()
     };
@@ -315,7 +316,7 @@ fn bad_input_is_refused_by_name() {
         "the cut-off frequency is 0; it must be positive"
     );
     assert_eq!(
-        with(&|o| o.ground = Ground::At(f64::NAN)),
+        with(&|o| o.ground = FloorChoice::At(f64::NAN)),
         "the height of the ground is NaN; it must be a finite number"
     );
     assert_eq!(with(&|o| o.contact.speed_m_s = 0.0), "the speed of contact is 0; it must be positive");

@@ -2,7 +2,8 @@
 
 use std::sync::Arc;
 
-use dynamics::{Body, Character, ForwardDynamics, InverseDerivatives, JointClass, Model, State, Wrench};
+use bodies::{Body, Character, JointClass};
+use dynamics::{ForwardDynamics, InverseDerivatives, Model, State, Wrench};
 use motion::rotation::exp;
 use motion::{Joint, Link, Skeleton, Vec3};
 use nalgebra::{DMatrix, DVector, Matrix3, Translation3};
@@ -83,7 +84,7 @@ fn all_cases() -> Vec<Case> {
     for root in [Joint::Fixed, slide, Joint::Revolute(Vec3::z()), Joint::Spherical] {
         cases.extend(cases_of(&tree_on(root), 4));
     }
-    cases.extend(cases_of(&dynamics::anthropometry::human::human().0, 4));
+    cases.extend(cases_of(&bodies::anthropometry::human::human().0, 4));
     cases
 }
 

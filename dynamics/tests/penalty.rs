@@ -231,7 +231,7 @@ fn impossible_bodies_are_refused() {
 /// Of six components, contacts that do not slip give three when `k_tP = 0`, and six with anchors.
 #[test]
 fn pinned_contacts_give_vertical_force_pitch_and_roll() {
-    let (character, _) = dynamics::anthropometry::human::human();
+    let (character, _) = bodies::anthropometry::human::human();
     let model = Model::new(&character, Vec3::new(0.0, -9.81, 0.0));
     let mut state = State::new(&model);
     let mut q = character.rest.clone();

@@ -23,11 +23,12 @@
 //!
 //! NF03: Neff, Fiume. Aesthetic edits for character animation. SCA 2003.
 
+use motion::names::Word;
 use motion::{Tracks, Value};
 
 use crate::param::PoseOrder;
 use crate::poses::{selected, within_limits};
-use crate::{Edit, EditError, EditLog, Parameter, Selection};
+use crate::{EditError, EditLog, Parameter, Selection, TrackEdit};
 
 /// The amplitude edit. See the module header.
 #[derive(Clone, Debug, PartialEq)]
@@ -36,6 +37,24 @@ pub struct Amplitude {
     pub factor: Parameter,
     /// Pose (length `nq`) about which to scale, instead of the average between poses.
     pub reference: Option<Vec<f64>>,
+}
+
+/// What an amplitude is measured from, as a scene names it.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Reference {
+    /// The average of neighbouring poses.
+    #[default]
+    InterPose,
+    /// The rest pose of the character.
+    Rest,
+}
+
+impl Word for Reference {
+    const KIND: &'static str = "reference";
+    const WORDS: &'static [(Self, &'static str, &'static str)] = &[
+        (Self::InterPose, "inter-pose", "The average of neighbouring poses"),
+        (Self::Rest, "rest", "The rest pose of the character"),
+    ];
 }
 
 impl Amplitude {
@@ -56,7 +75,7 @@ fn suggestion(from: &Value, to: &Value, a: f64) -> Value {
     Value::between(to, from, -0.5 * (a - 1.0))
 }
 
-impl Edit for Amplitude {
+impl TrackEdit for Amplitude {
     fn name(&self) -> &'static str {
         "amplitude"
     }

@@ -2,9 +2,10 @@
 
 use motion::ik::IkError;
 use motion::names::nearest;
+use motion::time_map::TimeMapError;
 use thiserror::Error;
 
-/// Why a selector or an edit was refused. The tracks are then as they were.
+/// Why a selector or an edit was refused. Tracks, clip and log are then as they were.
 #[derive(Clone, Debug, PartialEq, Error)]
 pub enum EditError {
     /// A name that does not exist.
@@ -71,6 +72,87 @@ pub enum EditError {
         edit: &'static str,
         /// The element.
         label: String,
+    },
+    /// A repetition of something that is not repeated.
+    #[error(
+        "`repetition: {repetition}` needs a cycle or a pose in `on`, such as \"twist_0\" or \"twist_0_1\"; found \"{found}\""
+    )]
+    Repetition {
+        /// The repetition asked for.
+        repetition: usize,
+        /// The label as written.
+        found: String,
+    },
+    /// A span of time for a track edit.
+    #[error("`span_s` is of clip edits; a track edit applies to labels: use `on` and `repetition`")]
+    SpanOfTracks,
+    /// Labels where there is no script.
+    #[error(
+        "`on: \"{on}\"` names labels of a script, and this motion has none; use `span_s: (from, to)` within 0 s to {end_s:.3} s"
+    )]
+    NoScript {
+        /// The labels as written.
+        on: String,
+        /// Length of the clip, s.
+        end_s: f64,
+    },
+    /// Labels of elements that take no time.
+    #[error("`on: \"{on}\"` takes no time; a clip edit needs elements with a duration or a hold")]
+    NoTime {
+        /// The labels as written.
+        on: String,
+    },
+    /// A span that is not in the clip.
+    #[error(
+        "`span_s` is {from_s} s to {to_s} s; allowed: the first below the second, both within 0 s to {end_s:.3} s"
+    )]
+    Span {
+        /// Beginning as written, s.
+        from_s: f64,
+        /// End as written, s.
+        to_s: f64,
+        /// Length of the clip, s.
+        end_s: f64,
+    },
+    /// Labels and a span without common time.
+    #[error(
+        "`on: \"{on}\"` is {on_from_s:.3} s to {on_to_s:.3} s of the clip, which has nothing in common with {from_s:.3} s to {to_s:.3} s"
+    )]
+    SpanApart {
+        /// The labels as written.
+        on: String,
+        /// Beginning of the labels, s.
+        on_from_s: f64,
+        /// End of the labels, s.
+        on_to_s: f64,
+        /// Beginning of the span, s.
+        from_s: f64,
+        /// End of the span, s.
+        to_s: f64,
+    },
+    /// Body parts for an edit of the whole body.
+    #[error("{edit}: applies to the whole body; found `parts`: {parts}; leave them out")]
+    WholeBody {
+        /// The edit.
+        edit: &'static str,
+        /// The parts as written.
+        parts: String,
+    },
+    /// Anchors that are no time map.
+    #[error("{edit}: {source}")]
+    Times {
+        /// The edit.
+        edit: &'static str,
+        /// What is wrong with them.
+        source: TimeMapError,
+    },
+    /// A clip that no edit may give.
+    #[error("{edit}: the clip it gives {what}")]
+    ClipResult {
+        /// The edit.
+        edit: &'static str,
+        /// What is wrong with it.
+        what: String,
     },
     /// A limb that cannot be solved.
     #[error(transparent)]

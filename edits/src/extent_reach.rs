@@ -22,7 +22,7 @@ use motion::{Dof, Element, Kinematics, Limb, LimbKind, Tracks};
 
 use crate::param::PoseOrder;
 use crate::poses::{PoseGroup, groups, selected, within_limits};
-use crate::{Edit, EditError, EditLog, Parameter, Selection};
+use crate::{EditError, EditLog, Parameter, Selection, TrackEdit};
 
 /// Changes of the distance below this are none, m.
 const LEAST_CHANGE_M: f64 = 1e-8;
@@ -51,7 +51,7 @@ struct Hand {
     distance_m: f64,
 }
 
-impl Edit for ExtentReach {
+impl TrackEdit for ExtentReach {
     fn name(&self) -> &'static str {
         "extent_reach"
     }

@@ -17,7 +17,7 @@ use motion::{Dof, Joint, Kinematics, Limb, LimbKind, Quat, Skeleton, Tracks, Val
 
 use crate::param::PoseOrder;
 use crate::poses::{groups, selected, within_limits};
-use crate::{Edit, EditError, EditLog, Parameter, Selection};
+use crate::{EditError, EditLog, Parameter, Selection, TrackEdit};
 
 /// The shoulder extent edit. See the module header.
 #[derive(Clone, Debug, PartialEq)]
@@ -64,7 +64,7 @@ pub fn arm_down(skeleton: &Skeleton, q: &[f64], limb: &Limb) -> Option<Quat> {
     (along.norm() > 1e-9).then(|| between(&along, &down))
 }
 
-impl Edit for ExtentShoulder {
+impl TrackEdit for ExtentShoulder {
     fn name(&self) -> &'static str {
         "extent_shoulder"
     }

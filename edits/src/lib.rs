@@ -1,14 +1,20 @@
-//! Movement-property edits: changes to transition-element tracks in an animator's words (NF03).
+//! Edits: changes to motion in an animator's words, of two kinds.
 //!
-//! In: [`Tracks`] and a [`Selection`] of their elements. Out: the tracks changed, and an [`EditLog`] that
-//! says which edit last wrote what. Edits know nothing of files, of physics or of each other; they run in
-//! the order the caller applies them.
+//! - [`TrackEdit`]: in transition-element tracks (NF03) and a [`Selection`] of their elements, out the tracks changed;
+//! - [`ClipEdit`]: in a [`Motion`], a clip wherever it came from, and a [`ClipPlace`] in it, out the motion changed.
+//!
+//! Both are placed by a [`Where`] and keep one [`EditLog`], which says what each edit changed. Edits know nothing of
+//! files, of physics or of each other; they run in the order the caller applies them, those of tracks first.
 //!
 //! | module | holds |
 //! |---|---|
+//! | [`track_edit`] | what an edit of tracks is |
+//! | [`clip_edit`] | what an edit of clips is, and how one is written |
+//! | [`place`] | where edits of both kinds apply |
 //! | [`selector`] | what an edit applies to: script, action, cycle, repetition, pose, element, body part |
 //! | [`param`] | parameters: constants, curves over time or repetition, one value for each pose |
-//! | [`log`] | which edit last wrote each element; conflicts |
+//! | [`log`] | which edit last wrote each element; conflicts; what changed in clips |
+//! | [`clip_change`] | what a clip edit changed: when, which joints, by how much |
 //! | [`succession`] | joints start one after another along the body |
 //! | [`amplitude`] | how far a movement goes about its average or a reference pose |
 //! | [`extent_shoulder`] | how far the arms are from the body |
@@ -20,7 +26,7 @@
 //! ```
 //! # use motion::script::{Action, Cycle, Pose, PoseValue, Script};
 //! # use motion::{Joint, Link, Skeleton, Vec3};
-//! use edits::{Amplitude, Edit, EditLog, Selector};
+//! use edits::{Amplitude, EditLog, Selector, TrackEdit};
 //! # let hinge = Joint::Revolute(Vec3::x());
 //! # let links = vec![Link::new("lamp", None, Vec3::zeros(), hinge)];
 //! # let lamp = std::sync::Arc::new(Skeleton::new(links).unwrap());
@@ -37,78 +43,36 @@
 //! assert_eq!(log.conflicts().len(), 4); // nod_0_1, in each repetition, was written twice
 //! ```
 //!
-//! A new edit is a type that implements [`Edit`]; [`Edit::apply`] gives it the log, the check that
-//! results are possible and the promise that a failed edit leaves the tracks alone.
+//! A new edit is a type that implements [`TrackEdit`] or [`ClipEdit`]; their `apply` gives it the log, the check that
+//! results are possible and the promise that a failed edit leaves the motion alone.
 //!
 //! NF03: Neff, Fiume. Aesthetic edits for character animation. SCA 2003.
 
 pub mod amplitude;
+pub mod clip_change;
+pub mod clip_edit;
 pub mod error;
 pub mod extent_reach;
 pub mod extent_shoulder;
 pub mod log;
 pub mod param;
+pub mod place;
 pub mod poses;
 pub mod selector;
 pub mod succession;
 pub mod tension;
+pub mod track_edit;
 
-pub use amplitude::Amplitude;
+pub use amplitude::{Amplitude, Reference};
+pub use clip_change::{ClipChange, Largest};
+pub use clip_edit::{ClipEdit, Edited, Motion};
 pub use error::EditError;
 pub use extent_reach::ExtentReach;
 pub use extent_shoulder::ExtentShoulder;
 pub use log::{Conflict, EditLog, Field};
 pub use param::Parameter;
+pub use place::{ClipPlace, Where};
 pub use selector::{Place, Selection, Selector};
 pub use succession::{Direction, Succession};
 pub use tension::{Amount, Tension};
-
-use motion::{Track, Tracks};
-
-/// A movement-property edit.
-pub trait Edit {
-    /// Its name, as scenes and the log call it.
-    fn name(&self) -> &'static str;
-
-    /// Changes the tracks. Called by [`Edit::apply`]; may use [`EditLog::clamp`] and [`EditLog::note`],
-    /// need not restore anything when it fails.
-    ///
-    /// Elements keep their labels. Tracks are put in order of time afterwards.
-    ///
-    /// # Errors
-    /// Bad parameters, bodies the edit does not fit.
-    fn change(&self, tracks: &mut Tracks, selection: &Selection, log: &mut EditLog) -> Result<(), EditError>;
-
-    /// Applies the edit to the elements selected: the tracks lengthen if need be, the log learns every
-    /// change.
-    ///
-    /// # Errors
-    /// Those of [`Edit::change`], and results no element can have ([`EditError::Result`]); tracks and log are
-    /// then as before.
-    fn apply(&self, tracks: &mut Tracks, selection: &Selection, log: &mut EditLog) -> Result<(), EditError> {
-        let mut changed = tracks.clone();
-        log.begin(self.name());
-        let done = self.change(&mut changed, selection, log).and_then(|()| check(self.name(), &changed));
-        if let Err(e) = done {
-            log.abandon();
-            return Err(e);
-        }
-        changed.tracks.iter_mut().for_each(Track::sort);
-        changed.extend_duration();
-        log.record(tracks, &changed);
-        *tracks = changed;
-        Ok(())
-    }
-}
-
-/// Refuses numbers that are not finite and lengths that are negative.
-fn check(edit: &'static str, tracks: &Tracks) -> Result<(), EditError> {
-    for (_, e) in tracks.elements() {
-        let numbers = [e.start_s, e.duration_s, e.hold_s, e.tension];
-        let finite = e.end.is_valid() && numbers.iter().all(|x| x.is_finite());
-        if !finite || e.duration_s < 0.0 || e.hold_s < 0.0 {
-            return Err(EditError::Result { edit, label: e.label.named(&tracks.skeleton) });
-        }
-    }
-    Ok(())
-}
+pub use track_edit::TrackEdit;

@@ -1,16 +1,19 @@
-//! The edit log: which edit last wrote each element, and where edits conflict.
+//! The edit log: which edit last wrote each element, where edits conflict, and what edits of clips changed.
 //!
-//! Edits run in the order declared and a later one wins. The log is kept by [`Edit::apply`], which
-//! compares the tracks before and after, so no edit can forget to report and an edit that changes
-//! nothing writes nothing. Two edits that wrote the same field of the same element conflict in the sense
+//! Edits run in the order declared and a later one wins. The log is kept by [`TrackEdit::apply`] and
+//! [`ClipEdit::apply`], which compare the tracks or the clip before and after, so no edit can forget to report and an
+//! edit that changes nothing writes nothing. Two edits that wrote the same field of the same element conflict in the sense
 //! that their order matters; the log lists it, it is no error.
 //!
-//! [`Edit::apply`]: crate::Edit::apply
+//! [`TrackEdit::apply`]: crate::TrackEdit::apply
+//! [`ClipEdit::apply`]: crate::ClipEdit::apply
 
 use std::collections::BTreeMap;
 use std::fmt;
 
 use motion::{Element, Label, Skeleton, Tracks};
+
+use crate::ClipChange;
 
 /// A field of an element.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
@@ -64,6 +67,7 @@ pub struct EditLog {
     names: BTreeMap<Label, String>,
     base_tension: BTreeMap<String, Vec<usize>>,
     clamped: Vec<(usize, Label)>,
+    clip_changes: Vec<ClipChange>,
     notes: Vec<(usize, String)>,
 }
 
@@ -109,6 +113,11 @@ impl EditLog {
         &self.clamped
     }
 
+    /// What edits of clips changed, in order; an edit that changed nothing is not among them.
+    pub fn clip_changes(&self) -> &[ClipChange] {
+        &self.clip_changes
+    }
+
     /// Remarks of the edits, each with the edit.
     pub fn notes(&self) -> &[(usize, String)] {
         &self.notes
@@ -124,7 +133,8 @@ impl EditLog {
         self.notes.push((self.current(), text.into()));
     }
 
-    fn current(&self) -> usize {
+    /// Index of the edit begun last.
+    pub(crate) fn current(&self) -> usize {
         self.edits.len().saturating_sub(1)
     }
 
@@ -138,6 +148,11 @@ impl EditLog {
         self.clamped.retain(|(e, _)| *e != edit);
         self.notes.retain(|(e, _)| *e != edit);
         self.edits.pop();
+    }
+
+    /// Records what the edit begun last changed in a clip.
+    pub(crate) fn record_clip(&mut self, change: Option<ClipChange>) {
+        self.clip_changes.extend(change);
     }
 
     /// Records every difference between the tracks before and after the edit begun last.
@@ -178,7 +193,7 @@ fn differing(a: &Element, b: &Element) -> Vec<Field> {
     .collect()
 }
 
-/// One line per element written, then base tensions, clamped elements, conflicts and remarks.
+/// One line per element written, then base tensions, clamped elements, conflicts, changes of clips and remarks.
 impl fmt::Display for EditLog {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let edit = |i: usize| format!("{} (edit {i})", self.edits[i]);
@@ -201,6 +216,9 @@ impl fmt::Display for EditLog {
         for c in self.conflicts() {
             let edits: Vec<String> = c.edits.iter().map(|&i| edit(i)).collect();
             writeln!(f, "{}: {} written by {}; the last holds", text(&c.label), c.field, edits.join(", "))?;
+        }
+        for change in &self.clip_changes {
+            writeln!(f, "{}: {change}", edit(change.edit))?;
         }
         for (i, note) in &self.notes {
             writeln!(f, "{}: {note}", edit(*i))?;

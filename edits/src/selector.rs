@@ -11,7 +11,7 @@
 
 use std::collections::BTreeSet;
 
-use motion::{Dof, Element, Label, Tracks};
+use motion::{Dof, Element, Label, Skeleton, Tracks};
 
 use crate::EditError;
 
@@ -135,7 +135,7 @@ impl Selector {
     /// Unknown actions, labels, parts, and numbers of cycles, poses and repetitions that do not exist.
     pub fn select(&self, tracks: &Tracks) -> Result<Selection, EditError> {
         let mut labels = self.place.labels(tracks)?;
-        let mut dofs = self.dofs(tracks)?;
+        let mut dofs = parts_dofs(&tracks.skeleton, &self.parts)?;
         let all = Dof::all(&tracks.skeleton);
         labels.retain(|l| all.get(l.dof).is_some_and(|d| dofs.contains(d)));
         if self.place.is_element(tracks, &labels) {
@@ -148,29 +148,29 @@ impl Selector {
             parts_named: !self.parts.is_empty(),
         })
     }
+}
 
-    fn dofs(&self, tracks: &Tracks) -> Result<BTreeSet<Dof>, EditError> {
-        let s = &tracks.skeleton;
-        let all = Dof::all(s);
-        if self.parts.is_empty() {
-            return Ok(all.into_iter().collect());
-        }
-        let mut found = BTreeSet::new();
-        for part in &self.parts {
-            if let Some(links) = s.parts().get(part) {
-                found.extend(all.iter().filter(|d| links.contains(&d.link())));
-            } else if let Some(link) = s.link(part) {
-                found.extend(all.iter().filter(|d| d.link() == link));
-            } else if let Some(dof) = Dof::find(s, part) {
-                found.insert(dof);
-            } else {
-                let links = s.links().iter().map(|l| l.name.as_str());
-                let known = s.parts().keys().map(String::as_str).chain(links);
-                return Err(EditError::unknown("body part", part, known));
-            }
-        }
-        Ok(found)
+/// The DOFs of these body parts, links and DOFs; all where none is named.
+pub(crate) fn parts_dofs(s: &Skeleton, parts: &[String]) -> Result<BTreeSet<Dof>, EditError> {
+    let all = Dof::all(s);
+    if parts.is_empty() {
+        return Ok(all.into_iter().collect());
     }
+    let mut found = BTreeSet::new();
+    for part in parts {
+        if let Some(links) = s.parts().get(part) {
+            found.extend(all.iter().filter(|d| links.contains(&d.link())));
+        } else if let Some(link) = s.link(part) {
+            found.extend(all.iter().filter(|d| d.link() == link));
+        } else if let Some(dof) = Dof::find(s, part) {
+            found.insert(dof);
+        } else {
+            let links = s.links().iter().map(|l| l.name.as_str());
+            let known = s.parts().keys().map(String::as_str).chain(links);
+            return Err(EditError::unknown("body part", part, known));
+        }
+    }
+    Ok(found)
 }
 
 impl Place {

@@ -21,11 +21,12 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
+use motion::names::Word;
 use motion::{Joint, Label, Skeleton, Tracks};
 
 use crate::param::PoseOrder;
 use crate::poses::{PoseGroup, groups, selected};
-use crate::{Edit, EditError, EditLog, Parameter, Selection};
+use crate::{EditError, EditLog, Parameter, Selection, TrackEdit};
 
 /// Which way a succession runs.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -35,6 +36,14 @@ pub enum Direction {
     Forward,
     /// From the extremities to the hip: false, sinister.
     Reverse,
+}
+
+impl Word for Direction {
+    const KIND: &'static str = "direction";
+    const WORDS: &'static [(Self, &'static str, &'static str)] = &[
+        (Self::Forward, "forward", "From the hips outward"),
+        (Self::Reverse, "reverse", "From the extremities inward"),
+    ];
 }
 
 /// The succession edit. See the module header.
@@ -132,7 +141,7 @@ fn shifts(
     group.elements.iter().map(|(d, e)| (e.label.clone(), shift(d.link()))).collect()
 }
 
-impl Edit for Succession {
+impl TrackEdit for Succession {
     fn name(&self) -> &'static str {
         "succession"
     }

@@ -12,7 +12,7 @@ use motion::{Dof, Tracks};
 
 use crate::param::{Instant, PoseOrder};
 use crate::poses::selected;
-use crate::{Edit, EditError, EditLog, Parameter, Selection};
+use crate::{EditError, EditLog, Parameter, Selection, TrackEdit};
 
 /// How tension is changed.
 #[derive(Clone, Debug, PartialEq)]
@@ -30,7 +30,7 @@ pub struct Tension {
     pub amount: Amount,
 }
 
-impl Edit for Tension {
+impl TrackEdit for Tension {
     fn name(&self) -> &'static str {
         "tension"
     }

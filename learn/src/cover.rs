@@ -10,7 +10,7 @@ use crate::kernel::Kernel;
 use crate::likelihood::{median_squared, squared_distances};
 use crate::pairs::{Coverage, Space};
 use crate::posterior::Posterior;
-use crate::regressor::{Doubt, Part, Scratch};
+use crate::regressor::{Part, PosteriorCovariance, Scratch};
 
 /// Inputs with a kernel over them.
 #[derive(Clone, Debug, PartialEq)]
@@ -54,7 +54,7 @@ impl Cover {
     }
 
     /// Covariance of what the pairs leave open between the rows of `frames`.
-    pub fn doubt(&self, frames: &DMatrix<f64>) -> Result<Doubt, InputError> {
+    pub fn posterior_covariance(&self, frames: &DMatrix<f64>) -> Result<PosteriorCovariance, InputError> {
         let (mut scratch, mut input) = (Scratch::new(), vec![0.0; frames.ncols()]);
         let (mut points, mut known) = (Vec::new(), Vec::new());
         for i in 0..frames.nrows() {
@@ -65,6 +65,11 @@ impl Cover {
         }
         let kernel = self.posterior.kernel;
         let part = Part { weight: 1.0, kernel, own: None, points, known };
-        Ok(Doubt { noise: kernel.noise(), parts: vec![part], unseen: Vec::new(), frames: frames.nrows() })
+        Ok(PosteriorCovariance {
+            noise: kernel.noise(),
+            parts: vec![part],
+            unseen: Vec::new(),
+            frames: frames.nrows(),
+        })
     }
 }

@@ -11,10 +11,10 @@ use crate::cover::Cover;
 use crate::descend::{Objective, descend};
 use crate::error::{FitError, InputError};
 use crate::gplvm::Learning;
-use crate::kernel::{Kernel, wall};
+use crate::kernel::{Kernel, box_penalty};
 use crate::likelihood::{View, Work, median_squared, squared_distances};
 use crate::pairs::{Pairs, Space};
-use crate::regressor::{Doubt, Prediction, Regressor, Scratch};
+use crate::regressor::{PosteriorCovariance, Prediction, Regressor, Scratch};
 
 /// L-BFGS iterations, at most.
 const ITERATIONS: usize = 100;
@@ -47,7 +47,7 @@ impl TryFrom<Stored> for GpRegression {
     type Error = FitError;
 
     fn try_from(s: Stored) -> Result<Self, FitError> {
-        if !s.kernel.is_sound() {
+        if !s.kernel.is_positive() {
             return Err(FitError::Stored {
                 what: "kernel parameters that are not positive",
                 found: 1,
@@ -84,7 +84,7 @@ impl Objective for Evidence {
         let kernel = Kernel::from_parameters(p);
         let (value, by) = self.view.evaluate(&kernel, &self.r2, None, &mut self.work)?;
         gradient.copy_from_slice(&kernel.chain(&by));
-        Ok(value + wall(p, gradient))
+        Ok(value + box_penalty(p, gradient))
     }
 }
 
@@ -143,7 +143,7 @@ impl Regressor for GpRegression {
         Ok(())
     }
 
-    fn doubt(&self, frames: &DMatrix<f64>) -> Result<Doubt, InputError> {
-        self.cover.doubt(frames)
+    fn posterior_covariance(&self, frames: &DMatrix<f64>) -> Result<PosteriorCovariance, InputError> {
+        self.cover.posterior_covariance(frames)
     }
 }

@@ -51,7 +51,7 @@ impl Kernel {
     }
 
     /// Whether all parameters are finite and positive.
-    pub(crate) fn is_sound(&self) -> bool {
+    pub(crate) fn is_positive(&self) -> bool {
         [self.theta1, self.theta2, self.theta3, self.beta].iter().all(|v| v.is_finite() && *v > 0.0)
     }
 
@@ -93,8 +93,9 @@ impl Kernel {
     }
 }
 
-/// What a wall outside [`BOX`] adds, so that the optimiser does not walk where nothing changes.
-pub(crate) fn wall(p: &[f64], gradient: &mut [f64]) -> f64 {
+/// Quadratic penalty outside [`BOX`], with its gradient. Far outside the likelihood is flat, and without the penalty the
+/// optimiser would go on there without an end.
+pub(crate) fn box_penalty(p: &[f64], gradient: &mut [f64]) -> f64 {
     let mut value = 0.0;
     for k in 0..PARAMETERS {
         let beyond = p[k] - p[k].clamp(BOX[k].0, BOX[k].1);

@@ -68,7 +68,7 @@ pub use model::{Method, Model, UnknownMethod};
 pub use nearest::Nearest;
 pub use pairs::Pairs;
 pub use pca::PcaLinear;
-pub use regressor::{Doubt, Jump, Prediction, Regressor, Scratch};
+pub use regressor::{Jump, PosteriorCovariance, Prediction, Regressor, Scratch};
 pub use sequence::{Mapped, Mapper, PathShape, map_frames, path_shape};
 pub use suggest::{Suggestion, suggest};
 pub use validate::{LeftOut, key_pose_error, leave_out, rms_error};

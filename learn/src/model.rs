@@ -15,7 +15,7 @@ use crate::gplvm::{GplvmOptions, SharedGplvm};
 use crate::nearest::Nearest;
 use crate::pairs::Pairs;
 use crate::pca::PcaLinear;
-use crate::regressor::{Doubt, Prediction, Regressor, Scratch};
+use crate::regressor::{PosteriorCovariance, Prediction, Regressor, Scratch};
 
 /// A way to learn a map from pairs, by the name it has on a command line.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
@@ -39,7 +39,7 @@ impl Method {
     pub const ALL: [Method; 5] = [Method::Gplvm, Method::Gp, Method::Pca, Method::Nn3, Method::Nn10];
 
     /// `gplvm`, `gp`, `pca`, `nn3`, `nn10`.
-    pub fn name(self) -> &'static str {
+    pub const fn name(self) -> &'static str {
         match self {
             Method::Gplvm => "gplvm",
             Method::Gp => "gp",
@@ -137,7 +137,7 @@ impl Regressor for Model {
         self.inner().predict(input, scratch, out)
     }
 
-    fn doubt(&self, frames: &DMatrix<f64>) -> Result<Doubt, InputError> {
-        self.inner().doubt(frames)
+    fn posterior_covariance(&self, frames: &DMatrix<f64>) -> Result<PosteriorCovariance, InputError> {
+        self.inner().posterior_covariance(frames)
     }
 }

@@ -9,7 +9,7 @@ use serde::{Deserialize, Serialize};
 use crate::cover::Cover;
 use crate::error::{FitError, InputError};
 use crate::pairs::Pairs;
-use crate::regressor::{Doubt, Prediction, Regressor, Scratch};
+use crate::regressor::{PosteriorCovariance, Prediction, Regressor, Scratch};
 
 /// The weighted mean of the outputs of the nearest inputs.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -103,7 +103,7 @@ impl Regressor for Nearest {
         Ok(())
     }
 
-    fn doubt(&self, frames: &DMatrix<f64>) -> Result<Doubt, InputError> {
-        self.cover.doubt(frames)
+    fn posterior_covariance(&self, frames: &DMatrix<f64>) -> Result<PosteriorCovariance, InputError> {
+        self.cover.posterior_covariance(frames)
     }
 }

@@ -67,12 +67,12 @@ impl Pairs {
         }
         let pairs = Pairs { inputs, outputs };
         pairs.at_least(2)?;
-        pairs.tell_apart()?;
+        pairs.check_distinct()?;
         Ok(pairs)
     }
 
     /// Looks at every two pairs.
-    fn tell_apart(&self) -> Result<(), FitError> {
+    fn check_distinct(&self) -> Result<(), FitError> {
         let radius = |m: &DMatrix<f64>, side| {
             let r = (Space::of(m).scale.powi(2) * m.nrows() as f64).sqrt();
             if r > 0.0 && r.is_finite() { Ok(r) } else { Err(FitError::NoSpread { side }) }

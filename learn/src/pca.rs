@@ -16,7 +16,7 @@ use crate::dense::{matvec, matvec_transposed};
 use crate::error::{FitError, InputError};
 use crate::kcca::{check_directions, eigen};
 use crate::pairs::{Pairs, Space};
-use crate::regressor::{Doubt, Prediction, Regressor, Scratch};
+use crate::regressor::{PosteriorCovariance, Prediction, Regressor, Scratch};
 
 /// Components of the paper.
 const COMPONENTS: usize = 30;
@@ -127,7 +127,7 @@ fn rank(values: &[f64], most: usize) -> usize {
 
 /// Mean over coordinates and columns i of (column i of `e` / `scale(i)`)².
 fn mean_square(e: &DMatrix<f64>, scale: impl Fn(usize) -> f64) -> f64 {
-    // A pair with a direction of its own has scale 0, and residual 0 with it.
+    // a pair that no other shares a direction with has leverage 1: both its scale and its residual are 0
     let sum: f64 = (0..e.ncols()).map(|i| e.column(i).norm_squared() / scale(i).max(1e-9).powi(2)).sum();
     sum / e.len() as f64
 }
@@ -147,7 +147,8 @@ impl Regressor for PcaLinear {
         for (v, m) in out.mean.iter_mut().zip(&self.output.mean) {
             *v = m + self.output.scale * *v;
         }
-        // N − 1 components have no residual and no degree of freedom left: leverage is averaged over them.
+        // the mean leverage of the components, not their sum: with N − 1 components, which leave no degree of freedom,
+        // the sum would make every variance N times too large
         let leverage: f64 = scores.iter().zip(&self.precision).map(|(s, p)| s * s * p).sum();
         out.variance =
             self.output.scale.powi(2) * self.residual * (1.0 + leverage / (n * self.components as f64));
@@ -156,7 +157,7 @@ impl Regressor for PcaLinear {
         Ok(())
     }
 
-    fn doubt(&self, frames: &DMatrix<f64>) -> Result<Doubt, InputError> {
-        self.cover.doubt(frames)
+    fn posterior_covariance(&self, frames: &DMatrix<f64>) -> Result<PosteriorCovariance, InputError> {
+        self.cover.posterior_covariance(frames)
     }
 }

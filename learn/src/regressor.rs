@@ -25,11 +25,11 @@ pub trait Regressor: Send + Sync {
     /// A wrong number of coordinates, or one that is not finite.
     fn predict(&self, input: &[f64], scratch: &mut Scratch, out: &mut Prediction) -> Result<(), InputError>;
 
-    /// What the model does not know about the rows of `frames` (F × D_Y): the covariance of its errors.
+    /// Covariance of the model's errors between the rows of `frames` (F × D_Y), given its pairs.
     ///
     /// # Errors
     /// As [`Regressor::predict`].
-    fn doubt(&self, frames: &DMatrix<f64>) -> Result<Doubt, InputError>;
+    fn posterior_covariance(&self, frames: &DMatrix<f64>) -> Result<PosteriorCovariance, InputError>;
 }
 
 /// An answer.
@@ -120,16 +120,16 @@ impl Scratch {
 /// output, with p the frames as the kernel sees them, w = L⁻¹k(p) what the pairs tell about them, r what the
 /// model cannot see of an input at all: the part of it that no latent point explains.
 #[derive(Clone, Debug)]
-pub struct Doubt {
+pub struct PosteriorCovariance {
     pub(crate) parts: Vec<Part>,
     /// F × r.
     pub(crate) unseen: Vec<f64>,
-    /// Variance of an output that no model could know.
+    /// Variance of the outputs' noise: what remains however many pairs there are.
     pub(crate) noise: f64,
     pub(crate) frames: usize,
 }
 
-/// What one Gaussian process does not know.
+/// Posterior covariance of one Gaussian process.
 #[derive(Clone, Debug)]
 pub(crate) struct Part {
     /// Variance of the output for a unit of its variance.
@@ -143,7 +143,7 @@ pub(crate) struct Part {
     pub known: Vec<f64>,
 }
 
-impl Doubt {
+impl PosteriorCovariance {
     /// Frames F.
     pub fn frames(&self) -> usize {
         self.frames

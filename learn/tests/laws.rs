@@ -268,7 +268,7 @@ fn suggestions_spread() {
         assert_eq!(named.len(), 6);
         for (i, s) in named.iter().enumerate() {
             assert!(
-                named[..i].iter().all(|t| t.frame != s.frame && t.left >= s.left && t.doubt >= s.doubt),
+                named[..i].iter().all(|t| t.frame != s.frame && t.left >= s.left && t.variance >= s.variance),
                 "{method}: {named:?}"
             );
             for t in &named[..i] {

@@ -102,7 +102,7 @@ fn marker_errors(rough: f64, models: &[(Method, Locate)]) -> Vec<f64> {
 /// there, and clearly better than PCA and neighbours. With twelve bare angles the GP wins (2.0° to 2.4° above): the
 /// likelihood of a few coordinates does not outweigh the prior of as many latent ones.
 #[test]
-fn with_markers_the_shared_model_generalises_best() {
+fn slow_with_markers_the_shared_model_generalises_best() {
     let mut models: Vec<(Method, Locate)> = Method::ALL.map(|m| (m, Locate::Back)).to_vec();
     models.push((Method::Gplvm, Locate::Posterior));
     let errors = marker_errors(0.0, &models);
@@ -117,7 +117,7 @@ fn with_markers_the_shared_model_generalises_best() {
 /// Key poses made by hand keep to no rule exactly. As they get rougher, latent points found by search explain the
 /// roughness; the way back leaves it to noise, and stays ahead of GP regression.
 #[test]
-fn rough_key_poses_need_the_way_back() {
+fn slow_rough_key_poses_need_the_way_back() {
     let models =
         [(Method::Gplvm, Locate::Back), (Method::Gplvm, Locate::Posterior), (Method::Gp, Locate::Back)];
     for rough in [5.0, 10.0, 20.0, 30.0, 40.0] {

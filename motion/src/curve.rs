@@ -17,6 +17,10 @@
 //! `m` is the curve of human reaching (Flash, Hogan, J. Neurosci. 5, 1985): speed and acceleration
 //! vanish at both ends, so joint torques do not jump there.
 
+use std::fmt;
+
+use crate::names::Word;
+
 /// A transition curve. Formulas are in the module header.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub enum Curve {
@@ -35,6 +39,77 @@ pub enum Curve {
     Anticipate,
     /// CSS-style cubic with handles (x1, y1) and (x2, y2); both x in [0, 1].
     Bezier(f64, f64, f64, f64),
+}
+
+/// The names of the [`Curve`]s.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum CurveName {
+    /// [`Curve::Linear`].
+    Linear,
+    /// [`Curve::EaseIn`].
+    EaseIn,
+    /// [`Curve::EaseOut`].
+    EaseOut,
+    /// [`Curve::EaseInOut`].
+    EaseInOut,
+    /// [`Curve::Overshoot`].
+    Overshoot,
+    /// [`Curve::Anticipate`].
+    Anticipate,
+    /// [`Curve::Bezier`].
+    Bezier,
+}
+
+impl Word for CurveName {
+    const KIND: &'static str = "curve";
+    const WORDS: &'static [(Self, &'static str, &'static str)] = &[
+        (Self::Linear, "linear", "Constant speed"),
+        (Self::EaseIn, "ease-in", "Starts gently, ends at full speed"),
+        (Self::EaseOut, "ease-out", "Starts at full speed, ends gently"),
+        (Self::EaseInOut, "ease-in-out", "Starts and ends gently: least jerk"),
+        (Self::Overshoot, "overshoot", "Goes past the end and comes back"),
+        (Self::Anticipate, "anticipate", "Draws back before it goes"),
+        (Self::Bezier, "bezier", "CSS-style cubic with handles (x1, y1, x2, y2)"),
+    ];
+}
+
+impl fmt::Display for Curve {
+    /// As scenes write it.
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(&self.name().identifier())?;
+        match self {
+            Self::Bezier(x1, y1, x2, y2) => write!(f, "({x1:?}, {y1:?}, {x2:?}, {y2:?})"),
+            _ => Ok(()),
+        }
+    }
+}
+
+impl Curve {
+    /// Its name.
+    pub fn name(&self) -> CurveName {
+        match self {
+            Self::Linear => CurveName::Linear,
+            Self::EaseIn => CurveName::EaseIn,
+            Self::EaseOut => CurveName::EaseOut,
+            Self::EaseInOut => CurveName::EaseInOut,
+            Self::Overshoot => CurveName::Overshoot,
+            Self::Anticipate => CurveName::Anticipate,
+            Self::Bezier(..) => CurveName::Bezier,
+        }
+    }
+
+    /// The curve of a name; `None` of [`CurveName::Bezier`], which needs handles.
+    pub fn named(name: CurveName) -> Option<Self> {
+        match name {
+            CurveName::Linear => Some(Self::Linear),
+            CurveName::EaseIn => Some(Self::EaseIn),
+            CurveName::EaseOut => Some(Self::EaseOut),
+            CurveName::EaseInOut => Some(Self::EaseInOut),
+            CurveName::Overshoot => Some(Self::Overshoot),
+            CurveName::Anticipate => Some(Self::Anticipate),
+            CurveName::Bezier => None,
+        }
+    }
 }
 
 /// Height of the bump that makes an overshoot.

@@ -1,13 +1,14 @@
 //! Motion without mass: skeletons, poses, clips, and everything that needs only geometry and time.
 //!
-//! In: joint values, scripts, files. Out: [`Clip`]s, the one coin of the project. No forces, no
-//! engine, no scene files.
+//! In: joint values, scripts. Out: [`Clip`]s, which every stage takes and gives. No forces, no engine, no files.
 //!
 //! | module | holds |
 //! |---|---|
 //! | [`rotation`] | quaternion logarithm and exponential, swing and twist, Euler orders |
 //! | [`skeleton`] | links, joints, limits, sites, limbs |
 //! | [`clip`] | uniformly sampled poses |
+//! | [`time_map`] | strictly increasing maps of time; retimed clips |
+//! | [`contact_plan`] | which point stands, from when to when, and where |
 //! | [`derivatives`] | velocities and accelerations |
 //! | [`mod@smooth`] | a smoother that minimises acceleration noise |
 //! | [`curve`] | named transition curves |
@@ -17,23 +18,28 @@
 //! | [`plant`] | feet that stay where they stand |
 //! | [`shape`] | capsules, boxes, balls |
 //! | [`fk`] | forward kinematics |
-//! | [`ik`] | two-bone limbs to a target |
+//! | [`ik`] | two-bone limbs to a target, whole bodies to many; axes of joints |
+//! | [`limits`] | the way of a joint back into its range |
+//! | [`linear`] | small dense systems of equations |
 //! | [`metrics`] | joint errors, foot slip, jerk |
-//! | [`names`] | the nearest known name, for error messages |
+//! | [`names`] | tables of names of values; the nearest known name, for error messages |
+//! | [`sole`] | the points of a foot that a floor can press on |
 //! | [`stance`] | where in a clip the feet stand, and where they step |
 //! | [`support`] | convex hull of ground contacts, margin of a point |
-//! | [`mod@format`] | BVH and other files |
 //!
 //! Units and frames: metres, radians, seconds; right-handed, Y up, +Z forward, +X to the left of
 //! the character.
 
 pub mod clip;
+pub mod contact_plan;
 pub mod curve;
 pub mod derivatives;
 pub mod dof;
 pub mod fk;
-pub mod format;
+pub mod floor;
 pub mod ik;
+pub mod limits;
+pub mod linear;
 pub mod metrics;
 pub mod names;
 pub mod plant;
@@ -42,22 +48,28 @@ pub mod script;
 pub mod shape;
 pub mod skeleton;
 pub mod smooth;
+pub mod sole;
 pub mod stance;
 pub mod support;
+pub mod time_map;
 pub mod track;
 
 pub use clip::Clip;
-pub use curve::{Curve, smoothstep};
+pub use contact_plan::{Contact, ContactPlan};
+pub use curve::{Curve, CurveName, smoothstep};
 pub use derivatives::Derivatives;
 pub use dof::{Dof, Value};
 pub use fk::Kinematics;
+pub use floor::{Floor, Tilt};
 pub use plant::Plant;
 pub use rotation::{EulerOrder, Quat, Vec3};
 pub use script::{Script, ScriptError};
 pub use shape::Shape;
 pub use skeleton::{BallLimits, Joint, Limb, LimbKind, Limits, Link, Range, Site, Skeleton, SkeletonError};
 pub use smooth::{SmoothReport, Smoothed, Smoothing, Strength, smooth};
+pub use sole::Sole;
 pub use support::Support;
+pub use time_map::TimeMap;
 pub use track::{Element, Label, Track, Tracks};
 
 /// A rigid transform; `world_from_link` maps points of the link into the world.

@@ -1,6 +1,6 @@
-//! Names people mistype: the nearest known name, for error messages.
+//! Names: tables of the names of values ([`Word`]), and the nearest known name, for error messages.
 //!
-//! In: a name and the known ones. Out: the known name at the least edit distance, if it is near
+//! In: a name and the known ones. Out: the value it names, or the known name at the least edit distance, if it is near
 //! enough to be a slip. Distance counts insertions, deletions, substitutions and swaps of neighbours.
 
 /// The candidate nearest to `name`, or `None` if none is within half the length of the longer name.
@@ -64,6 +64,76 @@ pub fn distance(a: &str, b: &str) -> usize {
         }
     }
     d[a.len() * width + b.len()]
+}
+
+/// An enumeration that people write: in a scene, on a command line, in a report. Each value has one name and one line about
+/// it, and all three take them from here.
+///
+/// An enumeration whose values carry data has a second one beside it, of their names alone: `Curve` has `CurveName`.
+///
+/// # Examples
+/// ```
+/// use motion::names::Word;
+///
+/// #[derive(Clone, Copy, Debug, PartialEq)]
+/// enum Side { Left, Right }
+///
+/// impl Word for Side {
+///     const KIND: &'static str = "side";
+///     const WORDS: &'static [(Self, &'static str, &'static str)] =
+///         &[(Side::Left, "left", "where the heart is"), (Side::Right, "right", "the other one")];
+/// }
+///
+/// assert_eq!(Side::find("Left"), Ok(Side::Left)); // scenes write names with a capital
+/// assert_eq!(Side::Right.word(), "right");
+/// assert_eq!(Side::Right.identifier(), "Right");
+/// let e = Side::find("lft").unwrap_err();
+/// assert_eq!(e.to_string(), "unknown side `lft`; did you mean `left`?");
+/// ```
+pub trait Word: Copy + PartialEq + 'static {
+    /// What a value is called in messages, such as `model`.
+    const KIND: &'static str;
+    /// All values: value, name in lower case with hyphens, one line about it.
+    const WORDS: &'static [(Self, &'static str, &'static str)];
+    /// Other names that are understood, such as a shorter one on a command line; nothing writes them.
+    const ALIASES: &'static [(Self, &'static str)] = &[];
+
+    /// The name of this value.
+    fn word(self) -> &'static str {
+        Self::WORDS.iter().find(|w| w.0 == self).map_or("", |w| w.1)
+    }
+
+    /// The name as a scene writes it: `root-height` is `RootHeight`.
+    fn identifier(self) -> String {
+        let capital = |part: &str| part[..1].to_uppercase() + &part[1..];
+        self.word().split('-').filter(|part| !part.is_empty()).map(capital).collect()
+    }
+
+    /// The value of a name. Capitals, hyphens and underscores make no difference: `RootHeight` is `root-height`.
+    ///
+    /// # Errors
+    /// [`UnknownWord`] with the nearest name, or all names.
+    fn find(text: &str) -> Result<Self, UnknownWord> {
+        let plain = |s: &str| s.replace(['-', '_'], "").to_lowercase();
+        let names = Self::WORDS.iter().map(|w| (w.0, w.1)).chain(Self::ALIASES.iter().copied());
+        let found = names.into_iter().find(|(_, name)| plain(name) == plain(text));
+        found.map(|(value, _)| value).ok_or_else(|| {
+            let hint = hint(text, Self::WORDS.iter().map(|w| w.1));
+            UnknownWord { kind: Self::KIND, found: text.chars().take(80).collect(), hint }
+        })
+    }
+}
+
+/// A name that is none of an enumeration's.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("unknown {kind} `{found}`{hint}")]
+pub struct UnknownWord {
+    /// What it should name.
+    pub kind: &'static str,
+    /// What was written.
+    pub found: String,
+    /// The nearest name, or all of them.
+    pub hint: String,
 }
 
 #[cfg(test)]

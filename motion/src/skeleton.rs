@@ -25,6 +25,7 @@ use nalgebra::{Quaternion, Translation3};
 use thiserror::Error;
 
 use crate::Transform;
+use crate::names::Word;
 use crate::rotation::{Quat, Vec3, exp, log, swing_twist};
 
 /// How a link may move against its parent.
@@ -184,6 +185,12 @@ pub enum LimbKind {
     Arm,
     /// Hip, knee, foot.
     Leg,
+}
+
+impl Word for LimbKind {
+    const KIND: &'static str = "kind of limb";
+    const WORDS: &'static [(Self, &'static str, &'static str)] =
+        &[(Self::Arm, "arm", "Shoulder, elbow, hand"), (Self::Leg, "leg", "Hip, knee, foot")];
 }
 
 /// A two-bone limb: the links of its upper bone, lower bone and end (hand or foot).
@@ -374,6 +381,21 @@ impl Skeleton {
         self.nv
     }
 
+    /// Names of the entries of `v` (`nv`): the link's name, with `.tx`, `.rx` and the like where a joint has several degrees
+    /// of freedom.
+    pub fn dof_names(&self) -> Vec<String> {
+        let several = |name: &str, axes: &[&str]| axes.iter().map(|a| format!("{name}.{a}")).collect();
+        self.links
+            .iter()
+            .flat_map(|l| match l.joint {
+                Joint::Free => several(&l.name, &["tx", "ty", "tz", "rx", "ry", "rz"]),
+                Joint::Spherical => several(&l.name, &["rx", "ry", "rz"]),
+                Joint::Revolute(_) | Joint::Prismatic(_) => vec![l.name.clone()],
+                Joint::Fixed => Vec::new(),
+            })
+            .collect()
+    }
+
     /// Where the joint value of `link` starts in a pose vector.
     pub fn q_at(&self, link: usize) -> usize {
         self.q_at[link]
@@ -392,6 +414,15 @@ impl Skeleton {
     /// A link and all that carry it, up to the root.
     pub fn ancestors(&self, link: usize) -> impl Iterator<Item = usize> {
         std::iter::successors(Some(link), |&l| self.links[l].parent)
+    }
+
+    /// The link that moves with `link` as one rigid body and is nearest to the root: itself unless it is `Fixed` to a parent.
+    pub fn welded_to(&self, link: usize) -> usize {
+        let mut at = link;
+        while let (Joint::Fixed, Some(parent)) = (self.links[at].joint, self.links[at].parent) {
+            at = parent;
+        }
+        at
     }
 
     /// The site with this name.

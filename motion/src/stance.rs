@@ -1,6 +1,6 @@
 //! Stance: where in a clip the feet stand, where they step, and where a standing foot is to be planted.
 //!
-//! In: a clip and the soles of its feet. Out: [`Stance`]: the clip cut into [`Span`]s that stand and spans in
+//! In: a clip and the soles of its feet. Out: [`Stance`]: the clip cut into [`StanceSpan`]s that stand and spans in
 //! which some foot steps; [`place`]: the flat place of a sole over a span. Geometry only: who can stand there
 //! is judged by dynamics.
 //!
@@ -17,24 +17,7 @@
 use std::ops::Range;
 
 use crate::rotation::{between, exp, log};
-use crate::{Clip, Kinematics, Transform, Vec3};
-
-/// A sole: the link of its foot and its corners.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Sole {
-    /// Link that is planted: the end of a leg.
-    pub link: usize,
-    /// Corners: link (that one, or one welded to it) and point in that link's frame, m.
-    pub corners: Vec<(usize, Vec3)>,
-}
-
-impl Sole {
-    /// Middle of the corners, world, m.
-    pub fn center(&self, k: &Kinematics) -> Vec3 {
-        let sum: Vec3 = self.corners.iter().map(|(link, at)| k.point(*link, at)).sum();
-        sum / self.corners.len().max(1) as f64
-    }
-}
+use crate::{Clip, Kinematics, Sole, Transform, Vec3};
 
 /// What counts as standing. See the module header.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -57,7 +40,7 @@ impl Default for Settings {
 
 /// A part of a clip in which its feet all stand, or one steps.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Span {
+pub struct StanceSpan {
     /// Frames.
     pub frames: Range<usize>,
     /// Whether all feet stand throughout.
@@ -70,7 +53,7 @@ pub struct Span {
 #[derive(Clone, Debug, PartialEq)]
 pub struct Stance {
     /// Spans, in order, covering the clip.
-    pub spans: Vec<Span>,
+    pub spans: Vec<StanceSpan>,
     /// Height of the ground: median height of the soles' middles in the standing spans; of the slow soles
     /// where nothing stands, m.
     pub ground_m: f64,
@@ -78,7 +61,7 @@ pub struct Stance {
 
 impl Stance {
     /// Spans that stand.
-    pub fn standing(&self) -> impl Iterator<Item = &Span> {
+    pub fn standing(&self) -> impl Iterator<Item = &StanceSpan> {
         self.spans.iter().filter(|s| s.stands)
     }
 }
@@ -104,7 +87,7 @@ pub fn stance(clip: &Clip, soles: &[Sole], settings: &Settings) -> Stance {
         })
         .collect();
 
-    let mut spans: Vec<Span> = Vec::new();
+    let mut spans: Vec<StanceSpan> = Vec::new();
     let mut f = 0;
     while f < frames {
         let end = standing_until(f, &centers, &steps, settings.stray_m);
@@ -120,7 +103,7 @@ pub fn stance(clip: &Clip, soles: &[Sole], settings: &Settings) -> Stance {
                 last.frames.end = end;
                 last.stepping.extend(stepping);
             }
-            _ => spans.push(Span { frames: f..end, stands, stepping }),
+            _ => spans.push(StanceSpan { frames: f..end, stands, stepping }),
         }
         f = end;
     }
@@ -272,7 +255,7 @@ mod tests {
             let corner = |dx: f64, dz: f64| (along + 1, Vec3::new(dx, -0.08, dz));
             let corners =
                 vec![corner(-0.05, -0.07), corner(0.05, -0.07), corner(-0.05, 0.18), corner(0.05, 0.18)];
-            soles.push(Sole { link: along + 1, corners });
+            soles.push(Sole { name: format!("foot{x}"), link: along + 1, corners });
         }
         (Arc::new(Skeleton::new(links).unwrap()), soles)
     }

@@ -162,7 +162,7 @@ impl Track {
     /// State of the DOF when element `index` becomes active, kinematically.
     pub fn start_value(&self, index: usize, base: &Value) -> Value {
         let e = &self.elements;
-        // Back to the last element that had arrived when its successor took over: its end is known.
+        // go back to the last element that had ended when the next one began: its value there is its end value
         let mut from = index;
         let mut value = *base;
         while from > 0 {
@@ -173,7 +173,7 @@ impl Track {
             }
             from -= 1;
         }
-        // Forward again through the superseded ones.
+        // then forward through the elements that were cut off, each from where the one before it was
         for i in from..index {
             value = e[i].value_at(e[i + 1].start_s, &value);
         }

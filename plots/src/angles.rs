@@ -91,7 +91,10 @@ fn panel(trace: &Excerpt, link: usize, rows: usize) -> Panel {
     for (k, color) in COLORS.iter().enumerate().take(names.len()) {
         let curve = |of: &[Vec3], color| {
             let values: Vec<f64> = of.iter().map(|v| v[k] * scale).collect();
-            Series { points: unbroken(trace.clock(), &values), ..Series::over_time(trace.clock(), [], color) }
+            Series {
+                points: broken_at_poles(trace.clock(), &values),
+                ..Series::over_time(trace.clock(), [], color)
+            }
         };
         panel.series.push(curve(&performed, *color));
         panel.series.push(curve(&asked, color.mix(INK, 0.5)).dashed().wide(1.3));
@@ -109,7 +112,7 @@ fn panel(trace: &Excerpt, link: usize, rows: usize) -> Panel {
 }
 
 /// Points over time, broken where a coordinate passes a pole.
-fn unbroken(clock: Clock, values: &[f64]) -> Vec<[f64; 2]> {
+fn broken_at_poles(clock: Clock, values: &[f64]) -> Vec<[f64; 2]> {
     let mut out = Vec::with_capacity(values.len());
     for (i, &y) in values.iter().enumerate() {
         if i > 0 && (y - values[i - 1]).abs() > JUMP {
@@ -183,7 +186,7 @@ impl<'a> Coordinates<'a> {
             }
             Self::Ball(limits) => {
                 let c = limits.coords(&skeleton.rotation(q, link));
-                // the same swing the other way round: θ − 2π about the same axis
+                // a swing by θ about an axis is the same rotation as one by θ − 2π about it: whichever is nearer to the reference is drawn
                 let angle = c.x.hypot(c.y);
                 let back = if angle > 1e-6 { 1.0 - TAU / angle } else { 1.0 };
                 (c, Vec3::new(c.x * back, c.y * back, c.z))
@@ -194,7 +197,7 @@ impl<'a> Coordinates<'a> {
             }
         };
         let Some(reference) = reference.filter(|_| !matches!(self, Self::Slide(_))) else { return first };
-        // swings repeat along their axis, which `second` covers; angles repeat alone
+        // the two swing coordinates repeat together (that is `second`); twists and single angles repeat by themselves, every 2π
         let turns = match self {
             Self::Ball(_) => [false, false, true],
             _ => [true; 3],

@@ -119,7 +119,7 @@ fn supports_and_footprints(trace: &Excerpt) -> (Support, Vec<Support>) {
         for stance in contacts.chunk_by(|a, b| trace.contacts[*b].row <= trace.contacts[*a].row + 1) {
             let middle = trace.contacts[stance[stance.len() / 2]].row;
             let rows = stance.chunk_by(|a, b| trace.contacts[*a].row == trace.contacts[*b].row);
-            // where the whole sole is down, as near to the middle of the stance as that is
+            // the row with most points (the whole sole is down); of several the one nearest to the middle of the stance
             let flat = rows.max_by_key(|points| {
                 let row = trace.contacts[points[0]].row;
                 (points.len(), Reverse(row.abs_diff(middle)))
@@ -160,7 +160,7 @@ fn supports(trace: &Excerpt, rows: usize) -> Vec<Support> {
 
 fn margin(trace: &Excerpt, com: &[Vec3], supports: &[Support]) -> Panel {
     let inside = |(p, s): (&Vec3, &Support)| 1e3 * s.margin(&ground(p));
-    // in the air there is no margin: −∞ breaks the curve
+    // without contacts the margin is −∞, and the curve has a gap there
     let values: Vec<f64> = com.iter().zip(supports).map(inside).collect();
     let least = values.iter().copied().filter(|m| m.is_finite()).fold(f64::INFINITY, f64::min);
     let mut panel = Panel {

@@ -39,13 +39,13 @@ impl Camera {
     /// Of views from the front half, the one in which the links' positions (against the root's horizontal
     /// position) vary most on the picture; a view that shows the face wins against one that shows a
     /// little more motion from the side.
-    pub fn watching(clips: &[&Clip], forward: f64) -> Self {
+    pub fn most_motion(clips: &[&Clip], forward: f64) -> Self {
         let candidates = [(38.0, 1.0), (-38.0, 1.0), (62.0, 0.95), (-62.0, 0.95), (90.0, 0.8), (-90.0, 0.8)];
         let score = |(deg, weight): (f64, f64)| {
             let camera = Self::around(forward, deg);
             weight * clips.iter().map(|c| camera.motion(c)).sum::<f64>()
         };
-        // the first of equals: a tie must not be decided by rounding
+        // the first candidate has 2 % in hand and later ones must exceed the best by 1e-6, so that rounding never decides a tie
         let mut best = (candidates[0], score(candidates[0]) * 1.02);
         for c in &candidates[1..] {
             let s = score(*c);
@@ -57,7 +57,7 @@ impl Camera {
     }
 
     /// `(right, up, near)` of a world point, m.
-    pub fn see(&self, p: &Vec3) -> Vec3 {
+    pub fn project(&self, p: &Vec3) -> Vec3 {
         Vec3::new(self.right.dot(p), self.up.dot(p), self.near.dot(p))
     }
 
@@ -78,7 +78,7 @@ impl Camera {
             kinematics.update(&clip.skeleton, &pose);
             let root = kinematics.origin(0);
             for link in 0..links {
-                let mut at = self.see(&(kinematics.origin(link) - Vec3::new(root.x, 0.0, root.z)));
+                let mut at = self.project(&(kinematics.origin(link) - Vec3::new(root.x, 0.0, root.z)));
                 at.z = 0.0;
                 sum[link] += at;
                 square[link] += at.norm_squared();
@@ -118,10 +118,10 @@ mod tests {
     fn picture_is_a_rotation_of_the_world() {
         let camera = Camera::new(0.6, 0.2);
         let p = Vec3::new(0.3, -1.2, 2.0);
-        assert!((camera.see(&p).norm() - p.norm()).abs() < 1e-14);
+        assert!((camera.project(&p).norm() - p.norm()).abs() < 1e-14);
         let basis = camera.right.cross(&camera.up);
         assert!((basis - camera.near).norm() < 1e-15);
-        assert!(camera.see(&Vec3::y()).y > 0.9);
+        assert!(camera.project(&Vec3::y()).y > 0.9);
     }
 
     /// From its left, a body that faces +x (a quarter turn) faces away from the viewer's left: what is in
@@ -129,19 +129,19 @@ mod tests {
     #[test]
     fn around_counts_from_the_front_to_the_left() {
         let facing = 0.5 * std::f64::consts::PI;
-        let front = Camera::around(facing, 0.0).see(&Vec3::x());
+        let front = Camera::around(facing, 0.0).project(&Vec3::x());
         assert!(front.z > 0.98 && front.x.abs() < 1e-15, "{front}");
         // facing +x, the left is −z
         let left = Camera::around(facing, 90.0);
-        assert!(left.see(&-Vec3::z()).z > 0.98);
-        assert!(left.see(&Vec3::x()).x < -0.99);
+        assert!(left.project(&-Vec3::z()).z > 0.98);
+        assert!(left.project(&Vec3::x()).x < -0.99);
     }
 
     /// Seen from the front, the character's left is on the viewer's right.
     #[test]
     fn front_view_mirrors_sides() {
         let camera = Camera::new(0.0, 0.0);
-        assert!((camera.see(&Vec3::x()) - Vec3::x()).norm() < 1e-15);
+        assert!((camera.project(&Vec3::x()) - Vec3::x()).norm() < 1e-15);
         assert!((camera.near() - Vec3::z()).norm() < 1e-15);
     }
 }

@@ -7,7 +7,7 @@ use motion::{Joint, Skeleton, Vec3};
 
 use crate::excerpt::Excerpt;
 use crate::figure::Figure;
-use crate::panel::{Key, Moment, Panel, Stroke, page};
+use crate::panel::{Key, Panel, Stroke, VerticalGuide, page};
 use crate::style::Color;
 
 /// Width of the pages with panels, px.
@@ -52,14 +52,14 @@ pub fn axis_name(axis: &Vec3, number: usize) -> String {
 /// Marks the fall of a run, and the loss that led to it, on panels over time; the legend gets their names.
 pub fn mark_fall(trace: &Excerpt, panels: &mut [Panel], keys: &mut Vec<Key>) {
     let Some(fall) = trace.fall() else { return };
-    let mut moments = vec![Moment { x: fall.time_s, color: FALL, stroke: Stroke::Solid }];
+    let mut lines = vec![VerticalGuide { x: fall.time_s, color: FALL, stroke: Stroke::Solid }];
     keys.push(Key::line("the body has fallen", FALL));
     if let Some(cause) = fall.cause() {
-        moments.push(Moment { x: cause.time_s, color: FALL, stroke: Stroke::Dashed });
+        lines.push(VerticalGuide { x: cause.time_s, color: FALL, stroke: Stroke::Dashed });
         keys.push(Key::dashed(&cause.to_string(), FALL));
     }
     for panel in panels {
-        panel.moments.extend(&moments);
+        panel.vertical_guides.extend(&lines);
     }
 }
 

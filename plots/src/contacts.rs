@@ -121,7 +121,7 @@ fn parts(trace: &Excerpt, rows: usize) -> Vec<Part> {
         }
     }
     let foot = |part: usize| trace.character.legs().any(|leg| leg.end == part);
-    // feet in the order of the skeleton, so that colours do not depend on who presses more
+    // feet first, in the order of the skeleton, so that each has the same colour in every run; other parts by their load
     pressed.sort_by(|a, b| match (foot(a.0), foot(b.0)) {
         (true, true) => a.0.cmp(&b.0),
         (false, false) => b.1.total_cmp(&a.1).then(a.0.cmp(&b.0)),

@@ -57,7 +57,7 @@ impl<'a> Excerpt<'a> {
     }
 
     /// The same with other names for the motion asked for and the one performed.
-    pub fn called(mut self, asked_for: &'static str, performed: &'static str) -> Self {
+    pub fn labelled(mut self, asked_for: &'static str, performed: &'static str) -> Self {
         self.names = [asked_for, performed];
         self
     }

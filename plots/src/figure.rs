@@ -280,6 +280,19 @@ impl Figure {
         replace(&temporary, path, written.map_err(io))
     }
 
+    /// The figure as the bytes of a PNG file.
+    ///
+    /// # Errors
+    /// `Io` or `Draw`.
+    pub fn png(&self) -> Result<Vec<u8>, FigureError> {
+        let name = format!("contrapposto-{}-{:p}.png", std::process::id(), self);
+        let path = std::env::temp_dir().join(name);
+        self.save_png(&path)?;
+        let bytes = std::fs::read(&path);
+        let _ = std::fs::remove_file(&path);
+        bytes.map_err(|source| FigureError::Io { path, source })
+    }
+
     /// Writes the figure as PNG, under a temporary name first.
     ///
     /// # Errors
@@ -300,16 +313,16 @@ impl Figure {
 
     fn draw<B: DrawingBackend>(&self, backend: &mut B, medium: Medium) -> Result<(), String> {
         let (w, h) = self.fine_size();
-        backend.ensure_prepared().map_err(said)?;
-        backend.draw_rect((0, 0), (w as i32, h as i32), &rgb(style::WHITE), true).map_err(said)?;
+        backend.ensure_prepared().map_err(error_text)?;
+        backend.draw_rect((0, 0), (w as i32, h as i32), &rgb(style::WHITE), true).map_err(error_text)?;
         for mark in &self.marks {
             match mark {
                 Mark::Fill { points, color } => {
-                    backend.fill_polygon(points.iter().map(fine), &rgb(*color)).map_err(said)?;
+                    backend.fill_polygon(points.iter().map(fine), &rgb(*color)).map_err(error_text)?;
                 }
                 Mark::Line { points, color, width } if medium.native_lines => {
                     let style = ShapeStyle::from(&rgb(*color)).stroke_width((width * FINE).round() as u32);
-                    backend.draw_path(points.iter().map(fine), &style).map_err(said)?;
+                    backend.draw_path(points.iter().map(fine), &style).map_err(error_text)?;
                 }
                 Mark::Line { points, color, width } => thick(backend, points, *color, *width)?,
                 Mark::Text { text, at, size, color, anchor, upward } => {
@@ -328,11 +341,11 @@ impl Figure {
                     }
                     let ink = rgb(*color);
                     let style = TextStyle::from(font).color(&ink).pos(Pos::new(h_pos, VPos::Top));
-                    backend.draw_text(text, &style, fine(&top)).map_err(said)?;
+                    backend.draw_text(text, &style, fine(&top)).map_err(error_text)?;
                 }
             }
         }
-        backend.present().map_err(said)
+        backend.present().map_err(error_text)
     }
 }
 
@@ -363,9 +376,9 @@ fn thick<B: DrawingBackend>(backend: &mut B, points: &[Px], color: Color, width:
             [b[0] - n[0], b[1] - n[1]],
             [a[0] - n[0], a[1] - n[1]],
         ];
-        backend.fill_polygon(corners.iter().map(fine), &rgb(color)).map_err(said)?;
+        backend.fill_polygon(corners.iter().map(fine), &rgb(color)).map_err(error_text)?;
         if i > 0 && width > 1.0 {
-            backend.draw_circle(fine(&a), (half * FINE) as u32, &rgb(color), true).map_err(said)?;
+            backend.draw_circle(fine(&a), (half * FINE) as u32, &rgb(color), true).map_err(error_text)?;
         }
     }
     Ok(())
@@ -392,7 +405,7 @@ fn bounds_of(points: &[Px], pad: f64) -> [f64; 4] {
 }
 
 /// plotters does not name its error type in public, so errors travel as text.
-fn said(e: impl std::fmt::Display) -> String {
+fn error_text(e: impl std::fmt::Display) -> String {
     e.to_string()
 }
 

@@ -65,7 +65,7 @@ pub use figure::{Figure, FigureError};
 pub use gains::gains_and_torques;
 pub use graded::graded_residual;
 pub use momentum::momenta;
-pub use overlay::{Witness, WitnessKind, contact_overlay};
+pub use overlay::{ForceSource, ForceSourceKind, contact_overlay};
 pub use polar::{Spoke, push_map, push_map_over};
 pub use residual::momentum_residual;
 pub use retargeted::{

@@ -1,4 +1,4 @@
-//! Ground forces as several witnesses tell them, laid over each other: [YAH10, Fig. 9], and more.
+//! Ground forces from several sources, laid over each other: [YAH10, Fig. 9], and more.
 //!
 //! In: [`GroundForces`] with who tells them. Out: a page with the total and each foot in rows, vertical
 //! and horizontal force in columns, and over each panel the RMS of the difference to the reference: what
@@ -17,9 +17,9 @@ use crate::gains::zero;
 use crate::panel::{Clock, Guide, Key, Panel, Sample, Series, Stroke, page};
 use crate::style::{Color, GREEN, INK, REFERENCE, VERMILION};
 
-/// Who tells a force.
+/// Where a ground force is from.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-pub enum WitnessKind {
+pub enum ForceSourceKind {
     /// The engine of the dynamic pass.
     Measured,
     /// The penalty model.
@@ -30,7 +30,7 @@ pub enum WitnessKind {
     Mujoco,
 }
 
-impl WitnessKind {
+impl ForceSourceKind {
     /// One word.
     pub fn name(self) -> &'static str {
         match self {
@@ -53,15 +53,15 @@ impl WitnessKind {
     }
 }
 
-/// A penalty force over this many times all others' peak is cut: feet that were captured a centimetre too
-/// low weigh tons, and would flatten everything else.
+/// The axis is cut where the penalty force is over this many times the peak of all others: a foot captured a centimetre
+/// too low gives ten times the body's weight, and the other curves would be flat lines.
 const OFF_SCALE: f64 = 1.6;
 
-/// A witness of the ground forces.
+/// Ground forces from one source.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Witness {
-    /// Who.
-    pub kind: WitnessKind,
+pub struct ForceSource {
+    /// Where from.
+    pub kind: ForceSourceKind,
     /// Says in the legend how: `penalty contact, sink 1.5 mm`.
     pub label: String,
     /// The forces.
@@ -69,21 +69,21 @@ pub struct Witness {
 }
 
 /// The one the others are compared with: measured before required before any.
-pub fn reference(witnesses: &[Witness]) -> Option<&Witness> {
-    let of = |kind| witnesses.iter().find(|w| w.kind == kind);
-    of(WitnessKind::Measured).or_else(|| of(WitnessKind::Required)).or(witnesses.first())
+pub fn reference(sources: &[ForceSource]) -> Option<&ForceSource> {
+    let of = |kind| sources.iter().find(|w| w.kind == kind);
+    of(ForceSourceKind::Measured).or_else(|| of(ForceSourceKind::Required)).or(sources.first())
 }
 
 /// Ground forces over each other; `weight_n` is the body weight.
-pub fn contact_overlay(witnesses: &[Witness], weight_n: f64, note: &str) -> Figure {
+pub fn contact_overlay(sources: &[ForceSource], weight_n: f64, note: &str) -> Figure {
     let title = "Ground forces: required, given, measured";
-    let Some(reference) = reference(witnesses) else {
+    let Some(reference) = reference(sources) else {
         return empty_page(title, note, "nothing tells of ground forces: there is no ground");
     };
-    if witnesses.iter().all(|w| w.forces.total.is_empty()) {
+    if sources.iter().all(|w| w.forces.total.is_empty()) {
         return empty_page(title, note, "no row in this span");
     }
-    let mut order: Vec<&Witness> = witnesses.iter().collect();
+    let mut order: Vec<&ForceSource> = sources.iter().collect();
     order.sort_by_key(|w| w.kind);
     let keys = order.iter().map(|w| {
         let (color, _, stroke) = w.kind.look();
@@ -108,8 +108,8 @@ pub fn contact_overlay(witnesses: &[Witness], weight_n: f64, note: &str) -> Figu
 /// Panels of vertical and of horizontal force of one part.
 fn row<'a>(
     name: &str,
-    order: &[&'a Witness],
-    reference: &'a Witness,
+    order: &[&'a ForceSource],
+    reference: &'a ForceSource,
     weight: f64,
     part: impl for<'b> Fn(&'b GroundForces) -> Option<&'b [Vec3]>,
 ) -> Vec<Panel> {
@@ -127,7 +127,7 @@ fn row<'a>(
         false => format!("{name} · {kind} · RMS {}", said.join(", ")),
     };
     let curves = |f: fn(&Vec3) -> f64| -> Vec<Series> {
-        let one = |w: &&Witness| {
+        let one = |w: &&ForceSource| {
             let (color, width, stroke) = w.kind.look();
             let clock = Clock { rate_hz: w.forces.rate_hz, start_s: w.forces.start_s };
             let values = part(&w.forces)?.iter().map(f);
@@ -137,12 +137,13 @@ fn row<'a>(
         order.iter().filter_map(one).collect()
     };
     let ceiling = |f: fn(&Vec3) -> f64, least: f64| -> (Option<f64>, String) {
-        let peak = |w: &&Witness| {
+        let peak = |w: &&ForceSource| {
             let forces = part(&w.forces).unwrap_or_default();
             forces.iter().map(f).filter(|y| y.is_finite()).fold(0.0, f64::max)
         };
-        let others = order.iter().filter(|w| w.kind != WitnessKind::Given).map(peak).fold(least, f64::max);
-        match order.iter().find(|w| w.kind == WitnessKind::Given).map(peak) {
+        let others =
+            order.iter().filter(|w| w.kind != ForceSourceKind::Given).map(peak).fold(least, f64::max);
+        match order.iter().find(|w| w.kind == ForceSourceKind::Given).map(peak) {
             Some(given) if given > OFF_SCALE * others => {
                 (Some(1.3 * others), format!(" · penalty off scale, peak {} N", short(given)))
             }

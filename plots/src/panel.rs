@@ -79,7 +79,7 @@ pub struct Guide {
 
 /// A vertical reference line.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Moment {
+pub struct VerticalGuide {
     /// Where on the horizontal axis, data units; not drawn beyond its ends.
     pub x: f64,
     /// Colour.
@@ -109,8 +109,8 @@ pub struct Panel {
     pub labels: Vec<([f64; 2], String, Color)>,
     /// Least height of the vertical axis, data units, so that noise stays small.
     pub least_span: f64,
-    /// Vertical lines at moments that matter.
-    pub moments: Vec<Moment>,
+    /// Vertical references: the time of a fall and of its causes.
+    pub vertical_guides: Vec<VerticalGuide>,
     /// One unit is as long on both axes.
     pub equal: bool,
     /// Steps of the vertical axis are parts of a circle.
@@ -362,12 +362,12 @@ impl Panel {
                 Stroke::Dashed => figure.dashed(&line, guide.color, 1.2, [7.0, 4.0]),
             }
         }
-        for moment in self.moments.iter().filter(|m| !empty && m.x >= x[0] && m.x <= x[1]) {
-            let at = px(&[moment.x, 0.0])[0];
+        for guide in self.vertical_guides.iter().filter(|m| !empty && m.x >= x[0] && m.x <= x[1]) {
+            let at = px(&[guide.x, 0.0])[0];
             let line = [[at, frame.at[1]], [at, bottom]];
-            match moment.stroke {
-                Stroke::Solid => figure.line(line.to_vec(), moment.color, 1.4),
-                Stroke::Dashed => figure.dashed(&line, moment.color, 1.4, [5.0, 3.5]),
+            match guide.stroke {
+                Stroke::Solid => figure.line(line.to_vec(), guide.color, 1.4),
+                Stroke::Dashed => figure.dashed(&line, guide.color, 1.4, [5.0, 3.5]),
             }
         }
         for series in &self.series {
@@ -412,7 +412,7 @@ impl Panel {
                 let at = [l + 0.5 * w, first + 1.6 * LABEL * i as f64];
                 figure.text(line, at, LABEL, style::SOFT, Anchor::Middle);
             }
-            // no ticks: they would say that something was measured
+            // a panel with a message has no data: no ticks, which would suggest a scale
             return;
         }
         if !self.x_label.is_empty() {

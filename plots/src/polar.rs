@@ -92,7 +92,7 @@ pub fn push_map_over(spokes: &[Spoke], before: &[f64], note: &str) -> Figure {
         figure.disc(at(s.deg, s.survived * scale), 3.4, style::BLUE);
     }
 
-    // between two spokes, right of forward, where no percentage stands
+    // in the middle between two spokes, to the right of forward: percentages are written at the ends of spokes
     let aside = -180.0 / spokes.len().max(4) as f64;
     for i in 1..=rings as usize {
         let text = number(i as f64 * ring, ring);
@@ -112,7 +112,7 @@ pub fn push_map_over(spokes: &[Spoke], before: &[f64], note: &str) -> Figure {
         }
     }
     for (deg, name) in NAMES {
-        // names at the sides are as wide as the percentages stand out
+        // names at the sides are wider than high: they begin farther out
         let out = if deg % 180.0 == 0.0 { OUT[1] - 6.0 } else { OUT[1] + 14.0 };
         label(deg, out, name.into(), LABEL, style::INK);
     }

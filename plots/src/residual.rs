@@ -68,7 +68,7 @@ pub fn momentum_residual<'a>(trace: impl Into<Excerpt<'a>>, note: &str) -> Figur
     let about = format!("the moment of that kind, about the centre of mass · {}", sizes(&moment, "N·m", 0.0));
     panels.push(curves(trace, &moment, about, "N·m", 0.5 * least));
     if trace.root != RootMode::Free {
-        panels.extend(held(trace, &force, weight, least));
+        panels.extend(root_wrench(trace, &force, weight, least));
     }
     let mut keys = vec![
         Key::line("x, to the left", COLORS[0]),
@@ -83,7 +83,7 @@ pub fn momentum_residual<'a>(trace: impl Into<Excerpt<'a>>, note: &str) -> Figur
 }
 
 /// Panels of the wrench that holds the root.
-fn held(trace: &Excerpt, force: &[Vec3], weight: f64, least: f64) -> Vec<Panel> {
+fn root_wrench(trace: &Excerpt, force: &[Vec3], weight: f64, least: f64) -> Vec<Panel> {
     let wrench = vectors(&trace.root_wrench, 6, 0);
     let moment = vectors(&trace.root_wrench, 6, 3);
     let after = |v: &[Vec3]| v.get(1..).map(<[Vec3]>::to_vec).unwrap_or_default();

@@ -4,7 +4,7 @@
 //! up), back to front. Light comes from above, over the viewer's left shoulder.
 
 use motion::support::Vec2;
-use motion::{Shape, Support, Transform, Vec3};
+use motion::{Floor, Shape, Support, Transform, Vec3};
 
 use crate::camera::Camera;
 use crate::style::{Color, INK, WHITE};
@@ -91,28 +91,6 @@ pub fn hull_points(shape: &Shape, world_from_link: &Transform) -> Vec<Vec3> {
     out
 }
 
-/// A plane that figures stand on.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Floor {
-    /// Height above the world's origin, m.
-    pub height: f64,
-    /// Its normal, pointing up.
-    pub up: Vec3,
-}
-
-impl Floor {
-    /// A level one.
-    pub fn level(height: f64) -> Self {
-        Self { height, up: Vec3::y() }
-    }
-
-    /// Its point above or below `p`.
-    pub fn under(&self, p: &Vec3) -> Vec3 {
-        let up = &self.up;
-        Vec3::new(p.x, self.height - (p.x * up.x + p.z * up.z) / up.y.max(1e-3), p.z)
-    }
-}
-
 /// Shadow of a shape on a floor, pictured.
 pub fn shadow(shape: &Shape, world_from_link: &Transform, camera: &Camera, floor: &Floor) -> Vec<Vec2> {
     // light comes down from the viewer's upper left: shadows fall a little to the right and back
@@ -121,14 +99,14 @@ pub fn shadow(shape: &Shape, world_from_link: &Transform, camera: &Camera, floor
     let slope = -side * 0.16 + back * 0.10;
     let fallen = hull_points(shape, world_from_link).into_iter().map(|p| {
         let height = (p.y - floor.under(&p).y).max(0.0);
-        flat(&camera.see(&floor.under(&(p + slope * height))))
+        flat(&camera.project(&floor.under(&(p + slope * height))))
     });
     Support::of_plane(fallen.collect()).corners().to_vec()
 }
 
 /// Convex hull of discs of one radius about `centers`: a ball or a capsule.
 fn round(centers: &[Vec3], radius: f64, camera: &Camera, tint: Color) -> Solid {
-    let seen: Vec<Vec3> = centers.iter().map(|c| camera.see(c)).collect();
+    let seen: Vec<Vec3> = centers.iter().map(|c| camera.project(c)).collect();
     let near = seen.iter().map(|c| c.z).sum::<f64>() / seen.len() as f64;
     let disc = |radius: f64, shift: Vec2| {
         let points = seen.iter().flat_map(|c| {
@@ -158,7 +136,7 @@ fn round(centers: &[Vec3], radius: f64, camera: &Camera, tint: Color) -> Solid {
 
 /// The side in flat strips and the end that faces the viewer.
 fn cone(shape: &Shape, world_from_link: &Transform, camera: &Camera, tint: Color) -> Solid {
-    let corners: Vec<Vec3> = hull_points(shape, world_from_link).iter().map(|p| camera.see(p)).collect();
+    let corners: Vec<Vec3> = hull_points(shape, world_from_link).iter().map(|p| camera.project(p)).collect();
     let near = corners.iter().map(|c| c.z).sum::<f64>() / corners.len() as f64;
     let count = corners.len() / 2;
     let (a, b) = corners.split_at(count);
@@ -193,7 +171,7 @@ fn lit(normal: &Vec3, tint: Color) -> Color {
 }
 
 fn cuboid(shape: &Shape, world_from_link: &Transform, camera: &Camera, tint: Color) -> Solid {
-    let corners: Vec<Vec3> = hull_points(shape, world_from_link).iter().map(|p| camera.see(p)).collect();
+    let corners: Vec<Vec3> = hull_points(shape, world_from_link).iter().map(|p| camera.project(p)).collect();
     let near = corners.iter().map(|c| c.z).sum::<f64>() / 8.0;
     let mut facets = Vec::new();
     for axis in 0..3 {
@@ -271,7 +249,7 @@ mod tests {
                 let drawn = solid(&shape, &world, &camera, INK);
                 let outline = Support::of_plane(drawn.outline.clone());
                 for p in hull_points(&shape, &world) {
-                    let margin = outline.margin(&flat(&camera.see(&p)));
+                    let margin = outline.margin(&flat(&camera.project(&p)));
                     assert!(margin > -0.0063 * 0.12, "{shape:?}: {margin}");
                 }
                 for facet in &drawn.facets {
@@ -289,9 +267,9 @@ mod tests {
         let camera = Camera::new(0.3, 0.1);
         let world = Transform::identity();
         let Shape::Capsule { a, b, .. } = samples()[0] else { unreachable!() };
-        let bone = Support::of_plane(vec![flat(&camera.see(&a)), flat(&camera.see(&b))]);
+        let bone = Support::of_plane(vec![flat(&camera.project(&a)), flat(&camera.project(&b))]);
         let points = hull_points(&samples()[0], &world);
-        assert!(points.iter().any(|p| bone.margin(&flat(&camera.see(p))) < -0.06));
+        assert!(points.iter().any(|p| bone.margin(&flat(&camera.project(p))) < -0.06));
     }
 
     /// The shadow of a body on the ground is under it: a ball of radius 0.1 that rests on the plane has a
@@ -300,15 +278,16 @@ mod tests {
     fn shadow_lies_on_the_ground() {
         let camera = Camera::new(0.5, 0.2);
         let ball = Shape::Sphere { center: Vec3::new(1.0, 0.1, 2.0), radius: 0.1 };
-        let shade = Support::of_plane(shadow(&ball, &Transform::identity(), &camera, &Floor::level(0.0)));
-        let touch = flat(&camera.see(&Vec3::new(1.0, 0.0, 2.0)));
+        let shade =
+            Support::of_plane(shadow(&ball, &Transform::identity(), &camera, &Floor::level(0.0, 0.0)));
+        let touch = flat(&camera.project(&Vec3::new(1.0, 0.0, 2.0)));
         assert!(shade.contains(&touch));
         // on a slope too
-        let slope = Floor { height: 0.3, up: Vec3::new(0.1, 1.0, -0.2).normalize() };
+        let slope = Floor { up: Vec3::new(0.1, 1.0, -0.2).normalize(), ..Floor::level(0.3, 0.0) };
         let touch = slope.under(&Vec3::new(1.0, 0.0, 2.0));
         assert!((touch - Vec3::y() * 0.3).dot(&slope.up).abs() < 1e-12);
         let ball = Shape::Sphere { center: touch + slope.up * 0.1, radius: 0.1 };
         let shade = Support::of_plane(shadow(&ball, &Transform::identity(), &camera, &slope));
-        assert!(shade.contains(&flat(&camera.see(&touch))));
+        assert!(shade.contains(&flat(&camera.project(&touch))));
     }
 }

@@ -7,15 +7,14 @@
 //!
 //! \[YAH10\] Yamane, Ariki, Hodgins. Animating Non-Humanoid Characters with Human Motion Data, SCA 2010.
 
-use dynamics::Character;
+use bodies::Character;
 use motion::{Clip, Kinematics, Vec3};
 
 use crate::camera::{Camera, facing};
 use crate::figure::{Anchor, Figure};
 use crate::panel::header;
-use crate::solid::Floor;
 use crate::solid::hull_points;
-use crate::strip::{Layout, Scene, StripOptions, painted, posed};
+use crate::strip::{Layout, Scene, StripOptions, drawn_floor, painted, posed};
 use crate::style::{self, INK, LABEL, MARGIN};
 
 /// One column.
@@ -48,8 +47,8 @@ pub fn stage_strip(columns: &[StageColumn], times: &[f64], yaw_deg: f64, note: &
             let (k, options) =
                 (posed(c.clip, t), StripOptions { colors: c.colors.to_vec(), ..Default::default() });
             let at = k.origin(0);
-            let mut frame = painted(&k, c.character, &camera, &Floor::level(0.0), &options);
-            frame.shift(&camera.see(&Vec3::new(at.x, 0.0, at.z)));
+            let mut frame = painted(&k, c.character, &camera, &drawn_floor(0.0), &options);
+            frame.shift(&camera.project(&Vec3::new(at.x, 0.0, at.z)));
             frame.scale(tall / height(c.character));
             frame
         });
@@ -111,9 +110,9 @@ pub fn pose_sheet(
         let k = Kinematics::new(&body.skeleton, q);
         let camera = Camera::around(facing(&body.skeleton, q), yaw_deg);
         let options = StripOptions { colors: colors.to_vec(), ..Default::default() };
-        let mut frame = painted(&k, body, &camera, &Floor::level(0.0), &options);
+        let mut frame = painted(&k, body, &camera, &drawn_floor(0.0), &options);
         let at = k.origin(0);
-        frame.shift(&camera.see(&Vec3::new(at.x, 0.0, at.z)));
+        frame.shift(&camera.project(&Vec3::new(at.x, 0.0, at.z)));
         frame.scale(tall / height(body));
         frame
     };

@@ -7,14 +7,14 @@
 //!
 //! Source: Neff, Fiume. Aesthetic Edits for Character Animation, SCA 2003 (NF03).
 
-use dynamics::{Character, JointClass};
+use bodies::{Character, JointClass};
 use motion::support::Vec2;
-use motion::{Clip, Joint, Kinematics, Vec3};
+use motion::{Clip, Floor, Joint, Kinematics, Vec3};
 
 use crate::camera::{Camera, facing};
 use crate::figure::{Anchor, Figure, Px};
 use crate::panel::header;
-use crate::solid::{BANDS, Facet, Floor, Solid, flat, grown, shadow, skin, solid};
+use crate::solid::{BANDS, Facet, Solid, flat, grown, shadow, skin, solid};
 use crate::style::{self, Color, INK, LABEL, MARGIN, WHITE};
 
 /// One row of a film strip.
@@ -176,7 +176,7 @@ impl Scene {
         let forward = clips.first().map_or(0.0, |c| facing(&c.skeleton, c.pose(0)));
         let camera = options.camera.unwrap_or_else(|| match options.yaw_deg.filter(|y| y.is_finite()) {
             Some(yaw) => Camera::around(forward, yaw),
-            None => Camera::watching(&clips, forward),
+            None => Camera::most_motion(&clips, forward),
         });
         let poses: Vec<Vec<Kinematics>> =
             clips.iter().map(|c| times.iter().map(|&t| posed(c, t)).collect()).collect();
@@ -188,12 +188,12 @@ impl Scene {
         let travels = all().any(|k| (level(k.origin(0)) - level(start)).norm() > FOLLOW);
         let frame = |row: &StripRow, t: f64, k: &Kinematics| {
             let origin = level(if travels { k.origin(0) } else { start });
-            let floor = Floor { height: ground, up: row.up(t) };
+            let floor = Floor { up: row.up(t), ..drawn_floor(ground) };
             let mut frame = painted(k, character, &camera, &floor, options);
             if floor.up != Vec3::y() {
                 frame.plate = plate(&floor, &origin, &camera);
             }
-            frame.shift(&camera.see(&origin));
+            frame.shift(&camera.project(&origin));
             frame
         };
         let rows: Vec<Vec<Frame>> = rows
@@ -239,9 +239,15 @@ pub(crate) fn painted(
     draw(k, character, camera, floor, &tints, &groups(character, &tints, colored))
 }
 
+/// A level floor to draw on at `height_m`; its friction is not drawn.
+pub(crate) fn drawn_floor(height_m: f64) -> Floor {
+    Floor::level(height_m, 0.0)
+}
+
 /// A square of a floor about a point above it, pictured.
 fn plate(floor: &Floor, about: &Vec3, camera: &Camera) -> Vec<Vec2> {
-    let corner = |x: f64, z: f64| flat(&camera.see(&floor.under(&(about + Vec3::new(x, 0.0, z) * PLATE))));
+    let corner =
+        |x: f64, z: f64| flat(&camera.project(&floor.under(&(about + Vec3::new(x, 0.0, z) * PLATE))));
     vec![corner(-1.0, -1.0), corner(1.0, -1.0), corner(1.0, 1.0), corner(-1.0, 1.0)]
 }
 
@@ -323,7 +329,7 @@ fn draw(
         let mut before = links[link].parent.filter(|_| spine(link)).and_then(|p| ends[p].clone());
         for shape in &body.shapes {
             let s = solid(shape, &k.world[link], camera, tints[link]);
-            // along the spine bellies and chests are one skin, not a stack of tyres
+            // along the spine the hull over each two neighbouring solids is drawn too, so that the trunk is one smooth surface
             if let Some(over) = before.as_ref().filter(|_| spine(link)).and_then(|b| skin(b, &s)) {
                 group.solids.push(over);
             }
@@ -337,10 +343,10 @@ fn draw(
         g.near = g.solids.iter().map(|s| s.near).sum::<f64>() / g.solids.len() as f64;
         g.solids.sort_by(|a, b| a.near.total_cmp(&b.near));
     }
-    over_what_they_paint(k, character, camera, group_of, &mut groups);
+    draw_welded_groups_over(k, character, camera, group_of, &mut groups);
     groups.retain(|g| !g.solids.is_empty());
     groups.sort_by(|a, b| a.near.total_cmp(&b.near));
-    // what is far is a little paler
+    // groups farther from the viewer are mixed with up to 18 % white
     let far = groups.first().map_or(0.0, |g| g.near);
     let near = groups.last().map_or(0.0, |g| g.near);
     for g in &mut groups {
@@ -353,7 +359,7 @@ fn draw(
 
 /// Draws what is welded to a link (a belly, eyes, a bulb) right over its group, or right under it if it is on the
 /// far side of that link: where the middles of the groups are does not say which.
-fn over_what_they_paint(
+fn draw_welded_groups_over(
     k: &Kinematics,
     character: &Character,
     camera: &Camera,
@@ -363,8 +369,8 @@ fn over_what_they_paint(
     let near = |link: usize| {
         let points =
             character.bodies[link].shapes.iter().flat_map(|s| crate::solid::hull_points(s, &k.world[link]));
-        let (sum, count) = points.fold((0.0, 0.0), |(s, n), p| (s + camera.see(&p).z, n + 1.0));
-        if count > 0.0 { sum / count } else { camera.see(&k.origin(link)).z }
+        let (sum, count) = points.fold((0.0, 0.0), |(s, n), p| (s + camera.project(&p).z, n + 1.0));
+        if count > 0.0 { sum / count } else { camera.project(&k.origin(link)).z }
     };
     for (i, link) in character.skeleton.links().iter().enumerate() {
         let Some(parent) = link.parent.filter(|&p| link.joint == Joint::Fixed && group_of[p] != group_of[i])
@@ -379,11 +385,11 @@ fn over_what_they_paint(
 impl Frame {
     pub(crate) fn shift(&mut self, origin: &Vec3) {
         let origin = Vec2::new(origin.x, origin.y);
-        self.each(|p| *p -= origin);
+        self.map_points(|p| *p -= origin);
     }
 
     pub(crate) fn scale(&mut self, by: f64) {
-        self.each(|p| *p *= by);
+        self.map_points(|p| *p *= by);
     }
 
     /// Both figures, `other` in front.
@@ -392,7 +398,7 @@ impl Frame {
         self.shadows.extend(other.shadows);
     }
 
-    fn each(&mut self, change: impl Fn(&mut Vec2)) {
+    fn map_points(&mut self, change: impl Fn(&mut Vec2)) {
         for s in self.groups.iter_mut().flat_map(|g| &mut g.solids) {
             let points = s.outline.iter_mut().chain(s.facets.iter_mut().flat_map(|f| &mut f.points));
             points.for_each(&change);
@@ -427,7 +433,7 @@ impl Layout {
         let width = options.width - 2.0 * MARGIN;
         let slot = (width - 24.0) / options.count.max(1) as f64;
         let wide = (right - left).max(1e-3);
-        // the outline adds 2 px on both sides
+        // the contour adds 2 px on both sides
         let scale = ((slot - 14.0) / wide).min(options.body_height / (high - low).max(1e-3)).max(1.0);
         Self {
             scale,

@@ -42,7 +42,7 @@ pub fn trade_off(points: &[TradePoint], note: &str) -> Figure {
     ];
     let panels = [
         curve(points, "links from the motion asked for", "mm, RMS", |p| p.error_mm),
-        help(points),
+        root_force(points),
         curve_over_fidelity(points),
     ];
     page("Tracking against help from outside", note, &keys, &panels, 1, WIDTH, 230.0)
@@ -64,7 +64,7 @@ fn curve(points: &[TradePoint], title: &str, unit: &str, of: impl Fn(&TradePoint
     let x_most = points.iter().map(|p| p.force_rms_percent).filter(|x| x.is_finite()).fold(0.0, f64::max);
     let mut labels = Vec::new();
     for (i, p) in points.iter().enumerate() {
-        // points that lie on each other share a place: the later is named
+        // of points that nearly coincide only the last is labelled
         let next = points.get(i + 1).map(at);
         let hidden = next.is_some_and(|[x, y]| {
             let [a, b] = at(p);
@@ -93,7 +93,7 @@ fn curve(points: &[TradePoint], title: &str, unit: &str, of: impl Fn(&TradePoint
     }
 }
 
-fn help(points: &[TradePoint]) -> Panel {
+fn root_force(points: &[TradePoint]) -> Panel {
     let line = |of: fn(&TradePoint) -> f64, color| Series {
         points: points.iter().map(|p| [p.fidelity, of(p)]).collect(),
         color,

@@ -5,13 +5,13 @@ mod sample;
 
 use std::path::{Path, PathBuf};
 
-use dynamics::{AnalysisOptions, Ground, GroundForces, RootMode, Trace, analyze};
+use dynamics::{AnalysisOptions, FloorChoice, GroundForces, RootMode, Trace, analyze};
 use motion::Vec3;
 use motion::smooth::Smoothing;
 use plots::figure::Mark;
 use plots::{
-    Excerpt, Figure, Spoke, StripOptions, StripRow, Witness, WitnessKind, contact_overlay, film_strip_with,
-    graded_residual, push_map, style,
+    Excerpt, Figure, ForceSource, ForceSourceKind, Spoke, StripOptions, StripRow, contact_overlay,
+    film_strip_with, graded_residual, push_map, style,
 };
 
 fn directory(name: &str) -> PathBuf {
@@ -35,27 +35,27 @@ fn of_trace(trace: &Trace) -> Vec<(&'static str, Figure)> {
             let clock = Excerpt::whole(trace).clock();
             graded_residual(&trace.residual(), clock, 735.0, "what the pin did", note)
         }),
-        ("contact", contact_overlay(&witnesses(trace), 735.0, note)),
+        ("contact", contact_overlay(&sources(trace), 735.0, note)),
     ]
 }
 
 /// What the trace measured, its motion requires and penalty contact gives; the latter two where they can
 /// be told.
-fn witnesses(trace: &Trace) -> Vec<Witness> {
-    let witness = |kind, forces| Witness { kind, label: format!("{kind:?}"), forces };
-    let mut out = vec![witness(WitnessKind::Measured, GroundForces::measured(trace))];
-    let ground = trace.ground_m.map_or(Ground::None, Ground::At);
+fn sources(trace: &Trace) -> Vec<ForceSource> {
+    let source = |kind, forces| ForceSource { kind, label: format!("{kind:?}"), forces };
+    let mut out = vec![source(ForceSourceKind::Measured, GroundForces::measured(trace))];
+    let ground = trace.ground_m.map_or(FloorChoice::None, FloorChoice::At);
     let options = AnalysisOptions { smoothing: Smoothing::Off, ground, ..AnalysisOptions::default() };
     if let Ok(a) = analyze(&trace.character, &trace.clip(), &options) {
-        out.push(witness(WitnessKind::Required, GroundForces::required(&a)));
+        out.push(source(ForceSourceKind::Required, GroundForces::required(&a)));
         if let Some((given, _)) = GroundForces::given(&trace.character, &a, 0.0015).unwrap() {
-            out.push(witness(WitnessKind::Given, given));
+            out.push(source(ForceSourceKind::Given, given));
         }
     }
     // another engine, another rate
     let mut other = GroundForces::measured(trace);
     other.rate_hz *= 0.5;
-    out.push(witness(WitnessKind::Mujoco, other));
+    out.push(source(ForceSourceKind::Mujoco, other));
     out
 }
 
@@ -124,7 +124,7 @@ fn figures() -> Vec<(&'static str, Figure)> {
 
 /// Same input, same bytes, SVG and PNG.
 #[test]
-fn figures_are_the_same_twice() {
+fn slow_figures_are_the_same_twice() {
     let (a, b) = (directory("a"), directory("b"));
     for ((name, one), (_, two)) in figures().into_iter().zip(figures()) {
         let (one, two) = (one.save(&a, name).unwrap(), two.save(&b, name).unwrap());
@@ -278,8 +278,8 @@ fn residuals_are_graded() {
 fn penalty_off_the_scale_is_cut_and_said() {
     let character = sample::human();
     let trace = sample::trace(&character, &sample::bow(&character, 0.0));
-    let mut told = witnesses(&trace);
-    let given = told.iter_mut().find(|w| w.kind == WitnessKind::Given).unwrap();
+    let mut told = sources(&trace);
+    let given = told.iter_mut().find(|w| w.kind == ForceSourceKind::Given).unwrap();
     given.forces.total.iter_mut().for_each(|f| *f *= 50.0);
     let figure = contact_overlay(&told, 735.0, "");
     assert!(figure.svg().unwrap().contains("penalty off scale"));
@@ -287,5 +287,5 @@ fn penalty_off_the_scale_is_cut_and_said() {
         let [left, top, right, bottom] = Figure::bounds(mark);
         assert!(left >= -1.0 && top >= -1.0 && right <= figure.width + 1.0 && bottom <= figure.height + 1.0);
     }
-    assert!(!contact_overlay(&witnesses(&trace), 735.0, "").svg().unwrap().contains("off scale"));
+    assert!(!contact_overlay(&sources(&trace), 735.0, "").svg().unwrap().contains("off scale"));
 }

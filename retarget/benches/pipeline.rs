@@ -67,7 +67,7 @@ fn stages(c: &mut Criterion) {
         refinement.iterations = 5;
         group.throughput(Throughput::Elements(long.frames() as u64));
         group.bench_function(BenchmarkId::from_parameter(seconds), |b| {
-            b.iter(|| refine(&puppet, &held, &found, &variance, &refinement).unwrap())
+            b.iter(|| refine(&puppet, &held, &found, &variance, &options.world, &refinement).unwrap())
         });
     }
     group.finish();

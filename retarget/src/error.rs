@@ -1,8 +1,8 @@
 //! Everything that can be wrong with a request.
 
-use dynamics::anthropometry::AnatomyError;
+use bodies::anthropometry::AnatomyError;
+use bodies::{GuessError, PoseMapError};
 use dynamics::penalty::PenaltyError;
-use dynamics::{GuessError, PoseMapError};
 use motion::Skeleton;
 use motion::names::hint;
 use thiserror::Error;

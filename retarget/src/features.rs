@@ -14,8 +14,8 @@
 //!
 //! \[YAH10\] Yamane, Ariki, Hodgins. Animating Non-Humanoid Characters with Human Motion Data, SCA 2010.
 
-use dynamics::Character;
-use dynamics::anthropometry::Anatomy;
+use bodies::Character;
+use bodies::anthropometry::Anatomy;
 use motion::rotation::between;
 use motion::{Joint, Kinematics, Quat, Shape, Site, Skeleton, Transform, Vec3};
 

@@ -34,17 +34,18 @@
 //!
 //! \[YAH10\] Yamane, Ariki, Hodgins. Animating Non-Humanoid Characters with Human Motion Data, SCA 2010, §5.1.
 
-use dynamics::{Character, Model, State};
+use bodies::Character;
+use dynamics::{Model, State};
 use motion::smooth::whittaker::{Whittaker, lambda};
 use motion::{Clip, Joint, Kinematics, Quat, Transform, Vec3};
 use nalgebra::Matrix3;
 
-use crate::axes::Axes;
 use crate::features::{Features, RootFrame};
 use crate::fit::place_root;
 use crate::options::{GlobalOptions, SizeRatio};
 use crate::result::MomentumReport;
 use crate::{Performer, Puppet};
+use motion::ik::JointAxes;
 
 /// Ratios by which a human momentum becomes the character's.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -123,7 +124,7 @@ fn local_rest(c: &Character, features: &Features) -> Vec<f64> {
 /// Mean speed of the feature points along each axis at unit rate of every rotation, m/s.
 fn mean_speed(c: &Character, features: &Features) -> Vec3 {
     let k = Kinematics::new(&c.skeleton, &local_rest(c, features));
-    let mut axes = Axes::new(&c.skeleton);
+    let mut axes = JointAxes::new(&c.skeleton);
     axes.update(&c.skeleton, &k);
     let mut sum = Vec3::zeros();
     let turning = axes.all.iter().filter(|a| a.angular != Vec3::zeros()).count();
@@ -146,7 +147,7 @@ fn rest_inertia(c: &Character, features: &Features) -> Vec3 {
 
 /// Momentum of a clip between its frames.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Path {
+pub struct MomentumPath {
     /// Centre of mass in every frame, world, m.
     pub com: Vec<Vec3>,
     /// Angular momentum about the centre of mass between frames, N·m·s; one fewer than frames.
@@ -155,7 +156,7 @@ pub struct Path {
     pub inertia: Vec<Matrix3<f64>>,
 }
 
-impl Path {
+impl MomentumPath {
     /// Of a clip of this character.
     pub fn of(character: &Character, clip: &Clip) -> Self {
         let model = Model::new(character, Vec3::zeros());
@@ -215,7 +216,8 @@ pub fn global_transform(
 ) -> (Clip, MomentumReport) {
     let scale = Scale::new(performer, puppet, options.size);
     let (dt, mass) = (1.0 / human.rate_hz, puppet.character.mass());
-    let (theirs, own) = (Path::of(&performer.character, human), Path::of(&puppet.character, local));
+    let (theirs, own) =
+        (MomentumPath::of(&performer.character, human), MomentumPath::of(&puppet.character, local));
     let headings = headings(human, &performer.features.root);
     let course = low_pass(&headings, options.drift_hz, human.rate_hz);
 
@@ -240,7 +242,7 @@ pub fn global_transform(
         place_root(&local.skeleton, clip.pose_mut(i), |root| world_from_local * root);
     }
 
-    let after = Path::of(&puppet.character, &clip);
+    let after = MomentumPath::of(&puppet.character, &clip);
     let steps = |p: &[Vec3]| -> Vec<Vec3> { p.windows(2).map(|w| (w[1] - w[0]) / dt).collect() };
     let scaled: Vec<Vec3> = steps(&theirs.com)
         .iter()

@@ -16,8 +16,8 @@
 //!
 //! \[YAH10\] Yamane, Ariki, Hodgins. Animating Non-Humanoid Characters with Human Motion Data, SCA 2010.
 
-use dynamics::JointClass;
-use dynamics::anthropometry::Anatomy;
+use bodies::JointClass;
+use bodies::anthropometry::Anatomy;
 use motion::{Joint, Kinematics, LimbKind, Limits, Quat, Site, Transform, Vec3};
 
 use crate::fit::JointFit;
@@ -36,16 +36,16 @@ const BENDS: [f64; 3] = [0.3, 0.8, 1.6];
 pub fn guess(performer: &Performer, human: &[f64], puppet: &Puppet) -> Result<Vec<f64>, RetargetError> {
     let skeleton = &puppet.character.skeleton;
     let eyes = skeleton.site("eyes").ok_or_else(|| RetargetError::marker("eyes", skeleton))?;
-    let human = Posed::human(performer, human)?;
+    let human = HumanPose::human(performer, human)?;
     let mut q = puppet.character.rest.clone();
-    let at_rest = Seen::new(&puppet.features, Kinematics::new(skeleton, &q));
+    let at_rest = LocalPose::new(&puppet.features, Kinematics::new(skeleton, &q));
     let eye = at_rest.point(eyes.link, &eyes.at);
     let scale = eye.y / human.eyes[0].y.max(1e-6);
     let arm = ARM * eye.y;
-    let mut aims = Aims::default();
+    let mut goals = PointGoals::default();
 
     let looks = at_rest.turn(eyes.link);
-    aims.add_frame(
+    goals.add_frame(
         eyes.link,
         &eyes.at,
         eye + scale * (human.eyes[1] - human.eyes[0]),
@@ -60,32 +60,32 @@ pub fn guess(performer: &Performer, human: &[f64], puppet: &Puppet) -> Result<Ve
         }
         if let Some(moved) = human.moved(&contact.human) {
             grounded |= site.link == 0;
-            aims.add(site.link, site.at, at_rest.point(site.link, &site.at) + scale * moved);
+            goals.add(site.link, site.at, at_rest.point(site.link, &site.at) + scale * moved);
         }
     }
     if !grounded {
         let origin = at_rest.point(0, &Vec3::zeros());
         let turn = human.pelvis * at_rest.turn(0);
-        aims.add_frame(0, &Vec3::zeros(), origin + scale * human.pelvis_moved, turn, arm);
+        goals.add_frame(0, &Vec3::zeros(), origin + scale * human.pelvis_moved, turn, arm);
     }
     let mut least = f64::INFINITY;
     for by in BENDS {
         let mut from = puppet.character.rest.clone();
         bend(&mut from, puppet, by);
-        let missed = aims.solve(puppet, &mut from);
+        let missed = goals.solve(puppet, &mut from);
         if missed < least {
             (q, least) = (from, missed);
         }
     }
 
-    let now = Seen::new(&puppet.features, Kinematics::new(skeleton, &q));
+    let now = LocalPose::new(&puppet.features, Kinematics::new(skeleton, &q));
     for (shoulder, end, at) in arms(puppet) {
         let side = usize::from(at_rest.point(shoulder, &Vec3::zeros()).x < 0.0);
         let length = (at_rest.point(end, &at) - at_rest.point(shoulder, &Vec3::zeros())).norm();
         let full = length.max(arm_length(puppet, shoulder));
-        aims.add(end, at, now.point(shoulder, &Vec3::zeros()) + human.reach[side] * full);
+        goals.add(end, at, now.point(shoulder, &Vec3::zeros()) + human.reach[side] * full);
     }
-    aims.solve(puppet, &mut q);
+    goals.solve(puppet, &mut q);
     let home = skeleton.position(&puppet.character.rest, 0);
     let height = skeleton.position(&q, 0).y;
     skeleton.set_position(&mut q, 0, &Vec3::new(home.x, height, home.z));
@@ -133,12 +133,12 @@ fn arm_length(puppet: &Puppet, shoulder: usize) -> f64 {
 }
 
 /// A posed body in its root's local frame.
-struct Seen {
+struct LocalPose {
     k: Kinematics,
     local: Transform,
 }
 
-impl Seen {
+impl LocalPose {
     fn new(features: &Features, k: Kinematics) -> Self {
         Self { local: features.root.local(&k.world[0], 0.0).inverse(), k }
     }
@@ -153,7 +153,7 @@ impl Seen {
 }
 
 /// What of a human pose is matched; displacements and turns are from rest, in the local frame.
-struct Posed {
+struct HumanPose {
     /// At rest, and now.
     eyes: [Vec3; 2],
     head: Quat,
@@ -165,14 +165,14 @@ struct Posed {
     contacts: Vec<(String, Vec3)>,
 }
 
-impl Posed {
+impl HumanPose {
     fn human(performer: &Performer, q: &[f64]) -> Result<Self, RetargetError> {
         let body = &performer.character;
         let skeleton = &body.skeleton;
         let anatomy = Anatomy::of(skeleton)?;
         let eyes = skeleton.site("eyes").ok_or_else(|| RetargetError::marker("eyes", skeleton))?;
         let (rest, now) = (Kinematics::new(skeleton, &body.rest), Kinematics::new(skeleton, q));
-        let poses = [Seen::new(&performer.features, rest), Seen::new(&performer.features, now)];
+        let poses = [LocalPose::new(&performer.features, rest), LocalPose::new(&performer.features, now)];
         let turned = |link: usize| poses[1].turn(link) * poses[0].turn(link).inverse();
         let reach = anatomy.arms.map(|[shoulder, elbow, wrist]| {
             let at = |link: usize| poses[1].point(link, &Vec3::zeros());
@@ -204,12 +204,12 @@ impl Posed {
 
 /// Points of the puppet and where they should be, in its local frame.
 #[derive(Default)]
-struct Aims {
+struct PointGoals {
     points: Vec<Site>,
     at: Vec<f64>,
 }
 
-impl Aims {
+impl PointGoals {
     fn add(&mut self, link: usize, point: Vec3, to: Vec3) {
         self.points.push(Site { name: String::new(), link, at: point });
         self.at.extend(to.iter());
@@ -223,7 +223,7 @@ impl Aims {
         }
     }
 
-    /// Moves `q` to the aims; returns the RMS distance that is left, m.
+    /// Moves `q` to the goals; returns the RMS distance that is left, m.
     fn solve(&self, puppet: &Puppet, q: &mut [f64]) -> f64 {
         let features = Features { points: self.points.clone(), root: puppet.features.root, unit_m: 1.0 };
         JointFit::new(&puppet.character.skeleton, &features).solve(&self.at, q, false).rms_m
@@ -234,7 +234,7 @@ impl Aims {
 mod tests {
     use super::*;
     use crate::{ContactPoint, Follow};
-    use dynamics::anthropometry::human::human;
+    use bodies::anthropometry::human::human;
 
     fn pair() -> (Performer, Puppet) {
         let (body, _) = human();

@@ -26,8 +26,6 @@
 //!
 //! \[YAH10\] Yamane, Ariki, Hodgins. Animating Non-Humanoid Characters with Human Motion Data, SCA 2010.
 
-mod axes;
-mod cholesky;
 pub mod contacts;
 mod error;
 pub mod features;
@@ -35,7 +33,6 @@ pub mod fit;
 pub mod global_transform;
 pub mod guess;
 pub mod key_poses;
-mod limits;
 pub mod live;
 pub mod mapping;
 pub mod options;
@@ -56,8 +53,8 @@ pub use key_poses::{KeyPose, KeyPoses};
 pub use live::{Live, LiveFrame};
 pub use mapping::Mapping;
 pub use options::{
-    ContactOptions, GlobalOptions, GplvmOptions, Locate, MappingModel, Options, RefineDofs, RefineOptions,
-    SizeRatio, Stage,
+    ContactOptions, GlobalOptions, GplvmOptions, Locate, MappingModel, Options, PipelineStage, RefineDofs,
+    RefineDofsName, RefineOptions, SizeRatio, SizeRatioName, WorldOptions,
 };
 pub use pipeline::{run, run_with};
 pub use prepare::prepare;

@@ -18,9 +18,9 @@
 use dynamics::{Model, State};
 use motion::{Kinematics, Quat, Transform, Vec3};
 
-use crate::contacts::paths::Span;
-use crate::contacts::phases::{LEAVE, follows, groups};
-use crate::contacts::reach::Reach;
+use crate::contacts::ik::ContactIk;
+use crate::contacts::paths::PhaseFrames;
+use crate::contacts::phases::{LEAVE, groups, in_contact};
 use crate::fit::place_root;
 use crate::global_transform::Scale;
 use crate::mapping::{MappedFrame, Mapper};
@@ -55,7 +55,7 @@ struct Momentum {
 }
 
 impl Momentum {
-    fn new(character: &dynamics::Character) -> Self {
+    fn new(character: &bodies::Character) -> Self {
         let model = Model::new(character, Vec3::zeros());
         let s = &character.skeleton;
         Self {
@@ -126,7 +126,7 @@ pub struct Live<'m> {
     points: Vec<Point>,
     down: Vec<bool>,
     goals: Vec<Vec3>,
-    reach: Reach,
+    ik: ContactIk,
     local: Vec<f64>,
     world: Vec<f64>,
     pose: Vec<f64>,
@@ -176,7 +176,7 @@ impl<'m> Live<'m> {
         let size = performer.features.unit_m;
         let contacts = performer.character.contacts.len();
         let rest = &puppet.character.rest;
-        let always = vec![vec![Span { first: 0, last: 0 }]; points.len()];
+        let always = vec![vec![PhaseFrames { first: 0, last: 0 }]; points.len()];
         Ok(Self {
             mapper: mapping.mapper(performer),
             scale: Scale::new(performer, puppet, options.global.size),
@@ -192,7 +192,7 @@ impl<'m> Live<'m> {
             human_down: vec![false; contacts],
             down: vec![false; points.len()],
             goals: vec![zero; points.len()],
-            reach: Reach::new(puppet, &always),
+            ik: ContactIk::new(puppet, &always),
             points,
             local: rest.clone(),
             world: rest.clone(),
@@ -223,10 +223,10 @@ impl<'m> Live<'m> {
         self.place(human);
         self.contacts(human);
         self.goals();
-        // a point that is still landing gives way to those of its link that have landed
+        // the goals of a link need not fit it: those that have landed outweigh those that are still landing
         let (goals, down, points) = (&self.goals, &self.down, &self.points);
         let rests = |c: usize| if down[c] && points[c].since_s >= LAND_S { 1.0 } else { 0.0 };
-        self.reach.solve(&self.world, &|c| (goals[c], rests(c)), &mut self.pose);
+        self.ik.solve(&self.world, &|c| (goals[c], rests(c)), &mut self.pose);
         self.frames += 1;
         Ok(LiveFrame { pose: &self.pose, mapped, down: &self.down })
     }
@@ -279,12 +279,12 @@ impl<'m> Live<'m> {
             let (earlier, later) = self.points.split_at_mut(i);
             let Some((p, later)) = later.split_first_mut() else { continue };
             let own = self.own_k.point(p.link, &p.at);
-            let down = follows(p.follow, &p.groups, |c| self.human_down[c]);
+            let down = in_contact(p.follow, &p.groups, |c| self.human_down[c]);
             let first = self.frames == 0;
             p.since_s += self.dt;
             if down != self.down[i] || first {
                 // rate of the goal as it went until now
-                let ahead = dying(p, if self.down[i] { LAND_S } else { LEAVE_S });
+                let ahead = remaining_offset(p, if self.down[i] { LAND_S } else { LEAVE_S });
                 let base = if self.down[i] { p.place } else { own };
                 let now = if first { own } else { base + ahead };
                 let rate = if first { Vec3::zeros() } else { (now - p.goal) / self.dt };
@@ -295,7 +295,7 @@ impl<'m> Live<'m> {
                     let siblings = resting.filter(|(o, down)| **down && o.link == p.link).map(|(o, _)| o);
                     let siblings: Vec<(Vec3, f64)> =
                         siblings.map(|o| (o.place, (o.at - p.at).norm())).collect();
-                    p.place = fitted(p.place, &siblings);
+                    p.place = at_distances(p.place, &siblings);
                     (p.offset, p.rate) = (now - p.place, rate);
                 } else {
                     (p.offset, p.rate) = (now - own, rate - own_rate);
@@ -306,15 +306,15 @@ impl<'m> Live<'m> {
                 p.since_s = 0.0;
             }
             let base = if down { p.place } else { own };
-            let mut goal = base + dying(p, if down { LAND_S } else { LEAVE_S });
-            goal.y = floored(goal.y);
+            let mut goal = base + remaining_offset(p, if down { LAND_S } else { LEAVE_S });
+            goal.y = above_floor(goal.y);
             (p.own, p.goal, self.goals[i], self.down[i]) = (own, goal, goal, down);
         }
     }
 }
 
 /// A place on the floor at the given distances from others, near `place`.
-fn fitted(mut place: Vec3, others: &[(Vec3, f64)]) -> Vec3 {
+fn at_distances(mut place: Vec3, others: &[(Vec3, f64)]) -> Vec3 {
     for _ in 0..100 {
         for (other, length) in others {
             let way = place - other;
@@ -327,12 +327,12 @@ fn fitted(mut place: Vec3, others: &[(Vec3, f64)]) -> Vec3 {
 }
 
 /// Height kept above −[`FLOOR_M`].
-fn floored(y: f64) -> f64 {
+fn above_floor(y: f64) -> f64 {
     if y < 0.0 { y / (1.0 + (y / FLOOR_M).powi(2)).sqrt() } else { y }
 }
 
 /// What is left of a point's offset.
-fn dying(p: &Point, over_s: f64) -> Vec3 {
+fn remaining_offset(p: &Point, over_s: f64) -> Vec3 {
     let s = p.since_s / over_s;
     if s >= 1.0 {
         return Vec3::zeros();

@@ -3,7 +3,7 @@
 //! In: key poses, then human poses one after the other. Out: character poses in their local frame, and how sure the
 //! model is. A regressor of `learn` maps feature points to feature points; [`JointFit`] makes joint angles of them,
 //! starting from the frame before. Where that fits suddenly worse, a fit from the points alone is tried too, and kept
-//! if it is far better: a body that turns over within a frame looks worse than one that is late.
+//! only if it is far better, because it can turn the body over from one frame to the next.
 //!
 //! \[YAH10\] Yamane, Ariki, Hodgins. Animating Non-Humanoid Characters with Human Motion Data, SCA 2010.
 
@@ -70,7 +70,7 @@ impl Mapping {
         let (y, z) = key_poses.observations(puppet);
         let fault = |e: learn::FitError| RetargetError::Learn(e.to_string());
         let pairs = Pairs::new(&y, &z).map_err(fault)?;
-        let model = Model::fit(model, &pairs, gplvm).map_err(fault)?;
+        let model = Model::fit(model.method(), &pairs, gplvm).map_err(fault)?;
         let names = key_poses.pairs[0].performer.features.points.iter().map(|p| p.name.clone()).collect();
         let poses = key_poses.pairs.iter().map(|p| p.character.clone()).collect();
         let fit = JointFit::new(&puppet.character.skeleton, &puppet.features);

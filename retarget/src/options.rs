@@ -1,17 +1,75 @@
 //! What may be told to the pipeline; everything has a default.
 
+use std::fmt;
+use std::str::FromStr;
+
+use learn::Method;
+use motion::names::Word;
 use motion::{Shape, Smoothing};
 
+use crate::RetargetError;
 use crate::contacts::Phase;
 
-/// The statistical model of the static mapping.
-pub use learn::Method as MappingModel;
 /// Settings of the shared GPLVM.
 pub use learn::{GplvmOptions, Locate};
 
+/// The statistical model of the static mapping.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub enum MappingModel {
+    /// Shared GPLVM.
+    #[default]
+    Gplvm,
+    /// GP regression.
+    Gp,
+    /// PCA and a linear map.
+    Pca,
+    /// Three nearest neighbours.
+    Nn3,
+    /// Ten nearest neighbours.
+    Nn10,
+}
+
+impl MappingModel {
+    /// All of them, the paper's own first.
+    pub const ALL: [Self; 5] = [Self::Gplvm, Self::Gp, Self::Pca, Self::Nn3, Self::Nn10];
+
+    /// What learns it.
+    pub const fn method(self) -> Method {
+        match self {
+            Self::Gplvm => Method::Gplvm,
+            Self::Gp => Method::Gp,
+            Self::Pca => Method::Pca,
+            Self::Nn3 => Method::Nn3,
+            Self::Nn10 => Method::Nn10,
+        }
+    }
+
+    /// Key poses it needs at least.
+    pub fn least_pairs(self) -> usize {
+        self.method().least_pairs()
+    }
+}
+
+impl Word for MappingModel {
+    const KIND: &'static str = "model";
+    const WORDS: &'static [(Self, &'static str, &'static str)] = &[
+        (Self::Gplvm, Method::Gplvm.name(), "Shared Gaussian-process latent-variable model"),
+        (Self::Gp, Method::Gp.name(), "Gaussian-process regression"),
+        (Self::Pca, Method::Pca.name(), "Principal components and a linear map"),
+        (Self::Nn3, Method::Nn3.name(), "Mean of the three nearest key poses"),
+        (Self::Nn10, Method::Nn10.name(), "Mean of the ten nearest key poses"),
+    ];
+}
+
+impl fmt::Display for MappingModel {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(self.word())
+    }
+}
+
 /// Where the pipeline ends.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
-pub enum Stage {
+pub enum PipelineStage {
     /// After the static mapping: in place.
     Map,
     /// After the global transform.
@@ -21,6 +79,16 @@ pub enum Stage {
     /// After physics refinement.
     #[default]
     Refine,
+}
+
+impl Word for PipelineStage {
+    const KIND: &'static str = "stage";
+    const WORDS: &'static [(Self, &'static str, &'static str)] = &[
+        (Self::Map, "map", "Poses, in place"),
+        (Self::Global, "global", "Travel and turning, by momentum"),
+        (Self::Contact, "contact", "Contact points held on the ground"),
+        (Self::Refine, "refine", "Forces that a ground can give"),
+    ];
 }
 
 /// How distances of travel scale.
@@ -38,6 +106,67 @@ pub enum SizeRatio {
     Uniform,
     /// A stated ratio.
     Fixed(f64),
+}
+
+/// The names of the [`SizeRatio`]s.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum SizeRatioName {
+    /// [`SizeRatio::Stride`].
+    Stride,
+    /// [`SizeRatio::PerAxis`].
+    PerAxis,
+    /// [`SizeRatio::Uniform`].
+    Uniform,
+    /// [`SizeRatio::Fixed`].
+    Fixed,
+}
+
+impl Word for SizeRatioName {
+    const KIND: &'static str = "size ratio";
+    const WORDS: &'static [(Self, &'static str, &'static str)] = &[
+        (Self::PerAxis, "per-axis", "The paper's ratio"),
+        (Self::Uniform, "uniform", "The mean of depth and width for both: paths keep their shape"),
+        (Self::Stride, "stride", "The paper's ratio, but no longer than legs can step"),
+        (Self::Fixed, "fixed", "A stated ratio"),
+    ];
+    const ALIASES: &'static [(Self, &'static str)] = &[(Self::PerAxis, "paper")];
+}
+
+impl SizeRatio {
+    /// The ratio of a name; `None` of [`SizeRatioName::Fixed`], which needs a number.
+    pub fn named(name: SizeRatioName) -> Option<Self> {
+        match name {
+            SizeRatioName::Stride => Some(Self::Stride),
+            SizeRatioName::PerAxis => Some(Self::PerAxis),
+            SizeRatioName::Uniform => Some(Self::Uniform),
+            SizeRatioName::Fixed => None,
+        }
+    }
+}
+
+/// A text that is no [`SizeRatio`].
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("allowed: {}, or a positive number", short_names(SizeRatioName::Fixed))]
+pub struct SizeRatioError;
+
+impl FromStr for SizeRatio {
+    type Err = SizeRatioError;
+
+    /// A name, or a positive number for a fixed ratio.
+    fn from_str(text: &str) -> Result<Self, SizeRatioError> {
+        if let Some(ratio) = SizeRatioName::find(text).ok().and_then(Self::named) {
+            return Ok(ratio);
+        }
+        let number = text.parse().ok().filter(|x: &f64| *x > 0.0 && x.is_finite());
+        number.map(Self::Fixed).ok_or(SizeRatioError)
+    }
+}
+
+/// All names but that of the value that a text says without one.
+fn short_names<W: Word>(but: W) -> String {
+    let words = W::WORDS.iter().map(|w| (w.0, w.1)).chain(W::ALIASES.iter().copied());
+    let names: Vec<&str> = words.filter(|(value, _)| *value != but).map(|(_, name)| name).collect();
+    names.join(", ")
 }
 
 /// Options of the global transform.
@@ -64,15 +193,16 @@ pub struct ContactOptions {
     pub speed_m_s: f64,
     /// Phases and gaps shorter than this are dropped, s.
     pub shortest_s: f64,
-    /// Time by which a phase may begin later or end earlier than the human's where the step beside it needs it, s.
-    pub give_s: f64,
-    /// Phases by hand; replaces what is found, and nothing gives way.
+    /// Time by which a phase may begin later or end earlier than the human's where the flight beside it is too short for the
+    /// character, s.
+    pub phase_slack_s: f64,
+    /// Phases by hand; they replace what is found, and are kept as they are.
     pub phases: Option<Vec<Phase>>,
 }
 
 impl Default for ContactOptions {
     fn default() -> Self {
-        Self { height_m: 0.025, speed_m_s: 0.6, shortest_s: 0.1, give_s: 0.1, phases: None }
+        Self { height_m: 0.025, speed_m_s: 0.6, shortest_s: 0.1, phase_slack_s: 0.1, phases: None }
     }
 }
 
@@ -92,6 +222,99 @@ pub enum RefineDofs {
     Links(Vec<String>),
 }
 
+/// The names of the [`RefineDofs`].
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum RefineDofsName {
+    /// [`RefineDofs::RootHeight`].
+    RootHeight,
+    /// [`RefineDofs::Root`].
+    Root,
+    /// [`RefineDofs::RootAndLegs`].
+    RootAndLegs,
+    /// [`RefineDofs::Links`].
+    Links,
+}
+
+impl Word for RefineDofsName {
+    const KIND: &'static str = "set of degrees of freedom";
+    const WORDS: &'static [(Self, &'static str, &'static str)] = &[
+        (Self::RootHeight, "root-height", "The height of the root: the paper's choice"),
+        (Self::Root, "root", "The six of the root"),
+        (Self::RootAndLegs, "root-and-legs", "Those of the root and of what carries it"),
+        (Self::Links, "links", "Those of named links, and the root's height"),
+    ];
+    const ALIASES: &'static [(Self, &'static str)] =
+        &[(Self::RootHeight, "height"), (Self::RootAndLegs, "legs")];
+}
+
+impl RefineDofs {
+    /// Those of a name; `None` of [`RefineDofsName::Links`], which needs the links.
+    pub fn named(name: RefineDofsName) -> Option<Self> {
+        match name {
+            RefineDofsName::RootHeight => Some(Self::RootHeight),
+            RefineDofsName::Root => Some(Self::Root),
+            RefineDofsName::RootAndLegs => Some(Self::RootAndLegs),
+            RefineDofsName::Links => None,
+        }
+    }
+}
+
+/// A text that is no [`RefineDofs`].
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("an empty name; allowed: {}, or links of the character", short_names(RefineDofsName::Links))]
+pub struct RefineDofsError;
+
+impl FromStr for RefineDofs {
+    type Err = RefineDofsError;
+
+    /// A name, or links separated by commas. Names are taken letter by letter: a link may be called `Root`.
+    fn from_str(text: &str) -> Result<Self, RefineDofsError> {
+        let names: Vec<String> = text.split(',').map(|s| s.trim().to_owned()).collect();
+        if names.iter().any(String::is_empty) {
+            return Err(RefineDofsError);
+        }
+        let words = RefineDofsName::WORDS.iter().map(|w| (w.0, w.1));
+        let mut words = words.chain(RefineDofsName::ALIASES.iter().copied());
+        let named = words.find(|(_, name)| *name == text).and_then(|(name, _)| Self::named(name));
+        Ok(named.unwrap_or(Self::Links(names)))
+    }
+}
+
+/// Where the body moves: gravity along −Y, a level ground at height 0, solids.
+#[derive(Clone, Debug, PartialEq)]
+pub struct WorldOptions {
+    /// Gravity, m/s², > 0.
+    pub gravity_m_s2: f64,
+    /// Coefficient of friction of the ground, > 0.
+    pub friction: f64,
+    /// Solids of the scene, world frame, that the body should not enter; the ground is always one.
+    pub obstacles: Vec<Shape>,
+}
+
+impl Default for WorldOptions {
+    fn default() -> Self {
+        Self {
+            gravity_m_s2: -dynamics::conditions::GRAVITY.y,
+            friction: motion::floor::FRICTION,
+            obstacles: Vec::new(),
+        }
+    }
+}
+
+impl WorldOptions {
+    /// Checks that all numbers are in their ranges.
+    ///
+    /// # Errors
+    /// The first that is not.
+    pub fn check(&self) -> Result<(), RetargetError> {
+        let of = [("gravity (m/s²)", self.gravity_m_s2), ("the coefficient of friction", self.friction)];
+        match of.into_iter().find(|(_, value)| !(*value > 0.0 && value.is_finite())) {
+            Some((name, value)) => Err(RetargetError::Option { name, value, allowed: "positive numbers" }),
+            None => Ok(()),
+        }
+    }
+}
+
 /// Weight of the friction cone, see [`RefineOptions::cone`].
 pub const CONE: f64 = 100.0;
 
@@ -100,9 +323,9 @@ pub const CONE: f64 = 100.0;
 pub struct RefineOptions {
     /// What may move.
     pub dofs: RefineDofs,
-    /// Weight of the force mismatch, `k1` of (11).
+    /// Weight of the force mismatch, `k1` of (11), 1/N².
     pub k1: f64,
-    /// Weight of the negative log-likelihood, `k2` of (11).
+    /// Weight of the negative log-likelihood, `k2` of (11), a pure number.
     pub k2: f64,
     /// Weight of what leaves the friction cone against the force mismatch; by default [`CONE`] where something moves that can
     /// change horizontal forces, and 1 for the root's height alone, which cannot.
@@ -111,10 +334,6 @@ pub struct RefineOptions {
     pub spacing_s: f64,
     /// Depth at which the standing body rests in the penalty ground, m.
     pub sink_m: f64,
-    /// Coefficient of friction.
-    pub friction: f64,
-    /// Solids of the scene, world, that the body should not enter; the ground is always one.
-    pub obstacles: Vec<Shape>,
     /// Whether penetrations of the body with itself and the scene are pushed out.
     pub collisions: bool,
     /// Poses (`nq` each) whose touches are meant, such as the key poses of a body that folds its arms: two links may
@@ -133,8 +352,6 @@ impl Default for RefineOptions {
             cone: None,
             spacing_s: 0.05,
             sink_m: 0.0015,
-            friction: dynamics::penalty::FRICTION,
-            obstacles: Vec::new(),
             collisions: true,
             accepted: Vec::new(),
             iterations: 30,
@@ -156,7 +373,7 @@ pub struct Options {
     /// How the shared GPLVM is learned, and how it finds the latent point of a pose.
     pub gplvm: GplvmOptions,
     /// Where to stop.
-    pub stop_after: Stage,
+    pub stop_after: PipelineStage,
     /// Frame rate to work at and to write; by default the clip's.
     pub rate_hz: Option<f64>,
     /// How the human clip is smoothed before anything else.
@@ -171,6 +388,8 @@ pub struct Options {
     pub contact: ContactOptions,
     /// Whether parts that can follow by dynamics do; otherwise they go as the key poses have it.
     pub sway: bool,
+    /// Gravity, friction and solids: what the swaying parts and the refinement reckon with.
+    pub world: WorldOptions,
     /// Refinement.
     pub refine: RefineOptions,
 }
@@ -180,7 +399,7 @@ impl Default for Options {
         Self {
             model: MappingModel::default(),
             gplvm: GplvmOptions::default(),
-            stop_after: Stage::default(),
+            stop_after: PipelineStage::default(),
             rate_hz: None,
             smoothing: Smoothing::default(),
             mapped: Smoothing::CutoffHz(MAPPED_HZ),
@@ -188,6 +407,7 @@ impl Default for Options {
             global: GlobalOptions::default(),
             contact: ContactOptions::default(),
             sway: true,
+            world: WorldOptions::default(),
             refine: RefineOptions::default(),
         }
     }

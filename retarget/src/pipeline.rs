@@ -5,7 +5,7 @@ use motion::{Clip, Smoothing, smooth};
 use crate::contacts::{adjust, adjust_in_time, phases};
 use crate::global_transform::global_transform;
 use crate::mapping::{Mapping, map_clip};
-use crate::options::Stage;
+use crate::options::PipelineStage;
 use crate::refine::refine;
 use crate::{KeyPoses, Options, Performer, Puppet, RetargetError, Retargeted, prepare, sway};
 
@@ -26,7 +26,7 @@ pub fn run(
     run_with(&mapping, clip, performer, puppet, options)
 }
 
-/// As [`run`], with a mapping learned before; of the options, `model` and `latent` are its own.
+/// As [`run`], with a mapping learned before; the options `model` and `gplvm` do not count, they are the mapping's own.
 ///
 /// # Errors
 /// See [`RetargetError`].
@@ -37,12 +37,13 @@ pub fn run_with(
     puppet: &Puppet,
     options: &Options,
 ) -> Result<Retargeted, RetargetError> {
+    options.world.check()?;
     let human = prepare(clip, performer, options.rate_hz, options.smoothing, options.ground_m)?;
     let (mapped, report) = map_clip(mapping, performer, &human, puppet)?;
     let mapped = smoothed(mapped, options.mapped);
     let mut out = Retargeted {
         clip: mapped.clone(),
-        stages: vec![(Stage::Map, mapped)],
+        stages: vec![(PipelineStage::Map, mapped)],
         human,
         mapping: report,
         momentum: None,
@@ -51,38 +52,39 @@ pub fn run_with(
         sway: None,
         refinement: None,
     };
-    if options.stop_after == Stage::Map {
+    if options.stop_after == PipelineStage::Map {
         return Ok(out);
     }
     let (moved, momentum) = global_transform(performer, &out.human, puppet, &out.clip, &options.global);
-    out.reached(Stage::Global, moved);
+    out.reached(PipelineStage::Global, moved);
     out.momentum = Some(momentum);
-    if options.stop_after == Stage::Global {
+    if options.stop_after == PipelineStage::Global {
         return Ok(out);
     }
     out.phases = phases::find(performer, &out.human, puppet, &options.contact)?;
     let (held, contact) = if options.contact.phases.is_some() {
         adjust(puppet, &out.clip, &out.phases)?
     } else {
-        let landed = phases::landing(puppet, &out.clip, &out.phases)?;
+        let landed = phases::without_flipped_feet(puppet, &out.clip, &out.phases)?;
         let (phases, held, contact) = adjust_in_time(puppet, &out.clip, &landed, &options.contact)?;
         out.phases = phases;
         (held, contact)
     };
-    out.reached(Stage::Contact, held);
+    out.reached(PipelineStage::Contact, held);
     out.contact = Some(contact);
-    if options.stop_after == Stage::Contact {
+    if options.stop_after == PipelineStage::Contact {
         return Ok(out);
     }
     if options.sway && !puppet.sways.is_empty() {
-        let (swung, report) = sway(puppet, &out.clip);
+        let (swung, report) = sway(puppet, &out.clip, options.world.gravity_m_s2);
         out.clip = swung;
         out.sway = Some(report);
     }
-    let mut options = options.refine.clone();
-    options.accepted.extend(mapping.poses.iter().cloned());
-    let (refined, refinement) = refine(puppet, &out.clip, &out.phases, &out.mapping.variance, &options)?;
-    out.reached(Stage::Refine, refined);
+    let mut refining = options.refine.clone();
+    refining.accepted.extend(mapping.poses.iter().cloned());
+    let variance = &out.mapping.variance;
+    let (refined, refinement) = refine(puppet, &out.clip, &out.phases, variance, &options.world, &refining)?;
+    out.reached(PipelineStage::Refine, refined);
     out.refinement = Some(refinement);
     Ok(out)
 }
@@ -101,7 +103,7 @@ pub fn smoothed(clip: Clip, smoothing: Smoothing) -> Clip {
 }
 
 impl Retargeted {
-    fn reached(&mut self, stage: Stage, clip: Clip) {
+    fn reached(&mut self, stage: PipelineStage, clip: Clip) {
         self.stages.push((stage, clip.clone()));
         self.clip = clip;
     }

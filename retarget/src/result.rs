@@ -1,9 +1,9 @@
-//! What the pipeline gives: the clip, what it looked like after each stage, and the numbers of each.
+//! What the pipeline returns: the clip, the clip after each stage, and the numbers of each stage.
 
 use motion::{Clip, Vec3};
 
 use crate::contacts::Phase;
-use crate::options::Stage;
+use crate::options::PipelineStage;
 
 /// A motion on a new body. One entry per frame in every vector.
 #[derive(Clone, Debug, PartialEq)]
@@ -11,10 +11,10 @@ pub struct Retargeted {
     /// The result: the last stage's clip.
     pub clip: Clip,
     /// The clip after every stage that ran, in order: the columns of \[YAH10, Fig. 7\].
-    pub stages: Vec<(Stage, Clip)>,
+    pub stages: Vec<(PipelineStage, Clip)>,
     /// The human motion as it was used: on the performer's skeleton, resampled, smoothed, ground at 0.
     pub human: Clip,
-    /// What the mapping thinks of itself.
+    /// How sure the mapping is.
     pub mapping: MappingReport,
     /// Momentum, scaled human and character; `None` if stopped before.
     pub momentum: Option<MomentumReport>,
@@ -28,7 +28,7 @@ pub struct Retargeted {
     pub refinement: Option<RefinementReport>,
 }
 
-/// What the mapping thinks of itself, frame by frame.
+/// How sure the mapping is, frame by frame.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct MappingReport {
     /// Variance of a coordinate of a feature point, m²: (4); zero for models that know none.
@@ -66,7 +66,7 @@ pub struct MomentumReport {
     pub relative_rms: f64,
 }
 
-/// What is left to see at the contacts.
+/// What remains of slip, penetration and jerk at the contacts.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct ContactReport {
     /// Farthest horizontal way of a point from its place within a phase, m.
@@ -96,13 +96,15 @@ pub struct RefinementReport {
     pub after: [f64; 6],
     /// Length by which moments are divided, m.
     pub length_m: f64,
-    /// Required vertical force before, N.
+    /// Weight of the body under the gravity that was reckoned with, N.
+    pub weight_n: f64,
+    /// Force that the motion requires from outside before, world, N.
     pub required_before: Vec<Vec3>,
-    /// Force of the contact model before, N.
+    /// Force of the contact model before, world, N.
     pub contact_before: Vec<Vec3>,
-    /// Required force after, N.
+    /// Required force after, world, N.
     pub required_after: Vec<Vec3>,
-    /// Force of the contact model after, N.
+    /// Force of the contact model after, world, N.
     pub contact_after: Vec<Vec3>,
     /// Median displacement of the root, m.
     pub root_median_m: f64,
@@ -116,6 +118,6 @@ pub struct RefinementReport {
     pub cone_after: Vec<usize>,
     /// Deepest penetration of body and body or body and scene, before and after, m.
     pub collision_m: [f64; 2],
-    /// Gauss–Newton steps taken.
+    /// Levenberg–Marquardt steps taken, of the stretch with most.
     pub iterations: usize,
 }

@@ -5,7 +5,7 @@
 
 use std::sync::Arc;
 
-use dynamics::{BodyOptions, Character, guess_body_of_clip};
+use bodies::{BodyOptions, Character, guess_body_of_clip};
 use motion::Clip;
 
 use crate::features::Features;

@@ -1,7 +1,7 @@
 //! Which frames to key next.
 //!
-//! In: a learned mapping and a human motion. Out: the frames whose poses would take most doubt from the model, by
-//! [`learn::suggest()`]: each one named is taken for keyed, so that five names are five poses and not five neighbours.
+//! In: a learned mapping and a human motion. Out: the frames of which the model is least sure, by
+//! [`learn::suggest()`]: each one chosen counts as keyed for the next, so that five of them are not five neighbours.
 
 use motion::{Clip, Kinematics};
 use nalgebra::DMatrix;

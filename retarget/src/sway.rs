@@ -19,12 +19,12 @@
 //! Nothing here changes what carries the parts: a tail's pull on its body is in the forces that are refined afterwards.
 
 use dynamics::{Model, State};
-use motion::{Clip, Derivatives, Vec3, rotation};
+use motion::{Clip, Derivatives, Vec3, linear, rotation};
 use nalgebra::DMatrix;
 
-use crate::limits::way_back;
+use crate::Puppet;
 use crate::result::SwayReport;
-use crate::{Puppet, cholesky};
+use motion::limits::tangent_correction;
 
 /// Longest step, s.
 const STEP_S: f64 = 1.0 / 240.0;
@@ -54,10 +54,12 @@ struct Spring {
 }
 
 /// Moves the swaying parts of a clip. See the module header.
-pub fn sway(puppet: &Puppet, clip: &Clip) -> (Clip, SwayReport) {
+///
+/// * `gravity_m_s2`: along −Y
+pub fn sway(puppet: &Puppet, clip: &Clip, gravity_m_s2: f64) -> (Clip, SwayReport) {
     let c = &puppet.character;
     let s = &c.skeleton;
-    let model = Model::new(c, Vec3::y() * -crate::refine::GRAVITY);
+    let model = Model::new(c, Vec3::y() * -gravity_m_s2);
     let mut state = State::new(&model);
     let springs = springs(puppet, &model, &mut state);
     let n: usize = springs.iter().map(|j| j.count).sum();
@@ -83,14 +85,14 @@ pub fn sway(puppet: &Puppet, clip: &Clip) -> (Clip, SwayReport) {
             (0..nv).for_each(|k| (rate[k], vd[k]) = (between(&d.v, k), between(&d.vd, k)));
             state.update_pose(&model, &goal);
             state.gravity_load(&model, &mut load);
-            // the body is where it was keyed; the parts are where they have swung
-            carry(s, &springs, &goal, &rate, &mut q, &mut v, &mut vd);
+            // all joints are prescribed by the clip but those that sway
+            prescribe_all_but(s, &springs, &goal, &rate, &mut q, &mut v, &mut vd);
             state.update(&model, &q, &v);
             state.inverse_dynamics(&model, &v, &vd, &[], &mut tau);
             state.mass_matrix(&model, &mut mass);
             for j in &springs {
-                let mut pull = turn_to(s, j.link, &q, &goal) * j.stiffness;
-                if let Some(e) = way_back(s, &q, j.link) {
+                let mut pull = displacement_to(s, j.link, &q, &goal) * j.stiffness;
+                if let Some(e) = tangent_correction(s, &q, j.link) {
                     pull += e * (STOP * j.stiffness);
                 }
                 for k in 0..j.count {
@@ -105,8 +107,9 @@ pub fn sway(puppet: &Puppet, clip: &Clip) -> (Clip, SwayReport) {
                     a[(j.own + k) * (n + 1)] += dt * j.damping + dt * dt * j.stiffness;
                 }
             }
-            if !cholesky::solve(&mut a, n, &mut b) {
-                return (clip.clone(), SwayReport::default()); // only a part without mass: it does not sway
+            if !linear::solve_cholesky(&mut a, n, &mut b) {
+                // only parts without mass make it singular: they do not sway
+                return (clip.clone(), SwayReport::default());
             }
             for j in &springs {
                 (0..j.count).for_each(|k| v[j.at + k] += dt * b[j.own + k]);
@@ -116,7 +119,7 @@ pub fn sway(puppet: &Puppet, clip: &Clip) -> (Clip, SwayReport) {
             s.integrate(&mut q, &vd, dt);
         }
         let pose = out.pose_mut(i + 1);
-        // limits of the parts alone: legs may reach beyond theirs to stand where they have to
+        // only the swaying joints are clamped: contact adjustment may have taken legs a little beyond their limits
         goal.copy_from_slice(&q);
         s.clamp_to_limits(&mut goal);
         for j in &springs {
@@ -124,7 +127,7 @@ pub fn sway(puppet: &Puppet, clip: &Clip) -> (Clip, SwayReport) {
             pose[r.clone()].copy_from_slice(&goal[r]);
         }
         for j in &springs {
-            report.most_rad = report.most_rad.max(turn_to(s, j.link, pose, clip.pose(i + 1)).norm());
+            report.most_rad = report.most_rad.max(displacement_to(s, j.link, pose, clip.pose(i + 1)).norm());
         }
     }
     report.links = springs.len();
@@ -158,7 +161,7 @@ fn springs(puppet: &Puppet, model: &Model, state: &mut State) -> Vec<Spring> {
 }
 
 /// Puts everything but the springs where the goal is; `vd` of the springs is zero.
-fn carry(
+fn prescribe_all_but(
     s: &motion::Skeleton,
     springs: &[Spring],
     goal: &[f64],
@@ -180,7 +183,7 @@ fn carry(
 }
 
 /// The turn (or the way, in x) that takes a joint of `q` to that of `goal`, zero frame.
-fn turn_to(s: &motion::Skeleton, link: usize, q: &[f64], goal: &[f64]) -> Vec3 {
+fn displacement_to(s: &motion::Skeleton, link: usize, q: &[f64], goal: &[f64]) -> Vec3 {
     match s.links()[link].joint {
         motion::Joint::Spherical => rotation::log(&(s.rotation(goal, link) * s.rotation(q, link).inverse())),
         _ => Vec3::x() * (goal[s.q_at(link)] - q[s.q_at(link)]),

@@ -61,6 +61,12 @@ impl<'de> Deserialize<'de> for Angle {
     }
 }
 
+/// Horizontal unit vector of a direction: 0° forward (+Z), 90° left (+X), 180° back, 270° right.
+pub fn direction(deg: f64) -> Vec3 {
+    let (s, c) = deg.to_radians().sin_cos();
+    Vec3::new(s, 0.0, c)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

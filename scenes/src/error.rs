@@ -2,7 +2,7 @@
 //!
 //! In: a RON file. Out: its value, or a [`SceneError`] with file, line and column. Faults of syntax and
 //! type get their place from RON; faults found afterwards, from [`SourceMap`] by the path of the
-//! value. All files of this crate are read through [`Source`].
+//! value. All RON files are read through [`Source`], those of the [`library`] too.
 
 use std::fmt;
 use std::path::{Path, PathBuf};
@@ -10,6 +10,7 @@ use std::path::{Path, PathBuf};
 use motion::names::nearest;
 use serde::de::DeserializeOwned;
 
+use crate::library::{self, Entry};
 use crate::source_map::{SourceMap, line_column};
 
 /// What is wrong with a file a person wrote, and where.
@@ -62,13 +63,25 @@ impl Source {
         Self { path, text, map }
     }
 
-    /// Reads a file.
+    /// Reads a file, or that at a location of the [`library`].
     ///
     /// # Errors
     /// If it cannot be read or is not UTF-8.
     pub fn read(path: &Path) -> Result<Self, SceneError> {
         let fail = |message: String| SceneError { path: path.into(), place: None, message, help: None };
-        let bytes = std::fs::read(path).map_err(|e| fail(format!("cannot read the file: {e}")))?;
+        if library::is_location(path) {
+            let entry = library::find(path);
+            return entry.map(|e| Self::new(e.location(), e.text())).ok_or_else(|| {
+                fail("no such file of the library".into()).with_help("`contrapposto library` lists them")
+            });
+        }
+        let bytes = std::fs::read(path).map_err(|e| {
+            let fault = fail(format!("cannot read the file: {e}"));
+            match library::namesake(path).filter(|_| e.kind() == std::io::ErrorKind::NotFound) {
+                Some(entry) => fault.with_help(in_library(entry)),
+                None => fault,
+            }
+        })?;
         let text = String::from_utf8(bytes).map_err(|e| {
             let at = e.utf8_error().valid_up_to();
             fail(format!("the file is not UTF-8 text (byte {at})"))
@@ -108,17 +121,26 @@ impl Source {
         })
     }
 
-    /// The path of a file named at `at`, relative to this one.
+    /// The path of a file named at `at`: relative to this one, or a location of the [`library`].
     ///
     /// # Errors
     /// If there is no such file; `what` says what it should be.
     pub fn beside(&self, at: &str, what: &str, name: &str) -> Result<PathBuf, SceneError> {
-        let beside = self.path.parent().unwrap_or(Path::new("")).join(name);
-        if beside.is_file() {
+        let beside = library::beside(&self.path, name);
+        if library::is_file(&beside) {
             return Ok(beside);
         }
-        let message = format!("the {what} `{}` does not exist", beside.display());
-        Err(self.error(at, message).with_help("the path is relative to the scene file"))
+        let fault = self.error(at, format!("the {what} `{}` does not exist", beside.display()));
+        Err(match library::namesake(&beside) {
+            _ if library::is_location(&beside) => {
+                fault.with_help("`contrapposto library` lists what there is")
+            }
+            None => fault.with_help("the path is relative to this file"),
+            Some(entry) => fault.with_help(format!(
+                "the path is relative to this file; the one of the library is `{}`",
+                entry.location().display()
+            )),
+        })
     }
 
     /// An error at the value with this path, see [`SourceMap`].
@@ -151,6 +173,11 @@ impl Source {
             }
         }
     }
+}
+
+/// Where a file is that was looked for on disk.
+fn in_library(entry: &Entry) -> String {
+    format!("the library has it: `{}`, or `{}` in a file", entry.name(), entry.location().display())
 }
 
 /// RON says what it expected; this adds what stands there.

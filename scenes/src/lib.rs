@@ -1,72 +1,43 @@
-//! Scenes and characters as files people write, and the pipeline that renders them.
+//! Text to checked specifications: scenes, characters, patches, contact phases.
 //!
-//! ```text
-//! open ─→ Stage (kinematic preview) ─→ perform ─→ Outcome ─→ Report, files
-//! ```
+//! In: RON files that people write. Out: plain values in SI units with every name resolved, or a [`SceneError`] at the very
+//! value that is wrong. Opens no clip and composes nothing: that is the crate `takes`.
 //!
 //! | module | holds |
 //! |---|---|
 //! | [`scene`] | a scene file, checked |
-//! | [`scene_motion`] | the human motion of a scene that retargets one |
 //! | [`schema`] | its words |
-//! | [`stage`] | a scene or a clip, ready to be performed |
-//! | [`disturbance_report`] | disturbances and falls, as reports give them |
-//! | [`export`] | a body as MJCF |
-//! | [`footwork`] | planted feet that step, and jumps |
-//! | [`inspect`] | what is in a file |
+//! | [`conditions`] | what acts on a performer, as a file states it |
 //! | [`overrides`] | numbers of the dynamic pass given beside the file |
 //! | [`patch`] | parameters of tension and balance in a file of their own |
-//! | [`standing`] | the parts of a clip a body can perform on its own feet |
-//! | [`pareto`] | the trade between fidelity and help from outside |
-//! | [`push`] | the push-recovery map of a standing body |
-//! | [`retargeting`] | human motion put on a character |
-//! | [`reactive`] | gazes of a scene, and how far they missed |
-//! | [`report`] | the numbers of a run |
-//! | [`tune`] | parameters chosen by a search over a cost |
-//! | [`study`] | a trace, clip or scene to be analysed and drawn |
-//! | [`study_report`] | the numbers of an analysis |
+//! | [`strip_spec`] | how film strips are drawn |
+//! | [`tune_spec`] | what a scene says about its tuning |
+//! | [`contact_file`] | contact phases found by a run, edited by hand |
 //! | [`character_file`] | characters as RON |
+//! | [`library`] | scenes, characters and key poses inside the program, and their names |
 //! | [`angle`] | joint values in degrees |
 //! | [`error`] | errors with file, line and column |
 //! | [`source_map`] | where the values of a RON text stand |
 
 pub mod angle;
 pub mod character_file;
-pub mod disturbance_report;
-mod disturbances;
+pub mod conditions;
+pub mod contact_file;
 pub mod error;
-pub mod export;
-pub mod footwork;
-pub mod inspect;
+pub mod library;
 pub mod overrides;
-pub mod pareto;
 pub mod patch;
-pub mod push;
-pub mod reactive;
-pub mod report;
-pub mod retargeting;
 pub mod scene;
-pub mod scene_motion;
 pub mod schema;
 pub mod source_map;
-pub mod stage;
-pub mod standing;
-pub mod study;
-pub mod study_report;
-pub mod tune;
+pub mod strip_spec;
+pub mod tune_spec;
 
 pub use angle::Angle;
-pub use dynamics::analysis::Residual;
-pub use dynamics::{Analysis, Character, RootMode, Trace};
-pub use dynamics::{analysis_files, ground_forces};
+pub use conditions::{ConditionsSpec, Physics};
 pub use error::{SceneError, Source};
-pub use inspect::character_in;
 pub use overrides::Overrides;
 pub use patch::Patch;
-pub use report::Report;
-pub use retarget;
-pub use scene::Scene;
-pub use sim::Outcome;
-pub use stage::{Stage, StageError, open, open_with};
-pub use study::{Study, StudyError, StudyOptions, StudySource};
-pub use study_report::AnalysisReport;
+pub use scene::{Scene, SceneSource};
+pub use strip_spec::StripSpec;
+pub use tune_spec::TuneSpec;

@@ -6,12 +6,15 @@
 use std::ops::RangeInclusive;
 use std::str::FromStr;
 
+use bodies::Character;
 pub use controllers::Strategy;
-use dynamics::{Character, RootMode};
+use dynamics::RootMode;
+pub use dynamics::RootName;
 use motion::Kinematics;
+use motion::names::Word;
 
 use crate::Patch;
-use crate::scene::Physics;
+use crate::conditions::Physics;
 
 /// Rates a simulation may run at, Hz.
 pub const RATES: RangeInclusive<f64> = 30.0..=20_000.0;
@@ -68,7 +71,10 @@ pub fn set_fidelity(physics: &mut Physics, f: f64, character: &Character) {
 /// A text that is no [`RootChoice`].
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error(
-    "`{0}` holds no root; allowed: free, pinned, assisted, or assisted:FORCE_N,MOMENT_NM with numbers from 0 to 1000000"
+    "`{0}` holds no root; allowed: {free}, {pinned}, {assisted}, or {assisted}:FORCE_N,MOMENT_NM with numbers from 0 to 1000000",
+    free = RootName::Free.word(),
+    pinned = RootName::Pinned.word(),
+    assisted = RootName::Assisted.word()
 )]
 pub struct RootChoiceError(String);
 
@@ -77,15 +83,19 @@ impl FromStr for RootChoice {
 
     fn from_str(text: &str) -> Result<Self, RootChoiceError> {
         let number = |s: &str| s.trim().parse().ok().filter(|x| BUDGETS.contains(x));
-        let choice = match text {
-            "free" => Some(Self::Free),
-            "pinned" => Some(Self::Pinned),
-            "assisted" => Some(Self::Assisted(None)),
-            _ => text
-                .strip_prefix("assisted:")
-                .and_then(|budget| budget.split_once(','))
+        let (name, budget) = match text.split_once(':') {
+            Some((name, budget)) => (name, Some(budget)),
+            None => (text, None),
+        };
+        let choice = match (RootName::find(name).ok(), budget) {
+            (Some(RootName::Free), None) => Some(Self::Free),
+            (Some(RootName::Pinned), None) => Some(Self::Pinned),
+            (Some(RootName::Assisted), None) => Some(Self::Assisted(None)),
+            (Some(RootName::Assisted), Some(budget)) => budget
+                .split_once(',')
                 .and_then(|(force, moment)| Some((number(force)?, number(moment)?)))
                 .map(|budget| Self::Assisted(Some(budget))),
+            _ => None, // a fidelity has an option of its own
         };
         choice.ok_or_else(|| RootChoiceError(text.into()))
     }
@@ -145,7 +155,7 @@ impl Overrides {
             physics.tension = clamp(physics.tension * factor, TENSIONS);
         }
         if let Some(rate_hz) = self.rate_hz {
-            physics.rate_hz = clamp(rate_hz, RATES);
+            physics.rate_hz = Some(clamp(rate_hz, RATES));
         }
         if let Some(n) = self.substeps {
             physics.substeps = Some(n.clamp(*SUBSTEPS.start(), *SUBSTEPS.end()));
@@ -162,12 +172,22 @@ mod tests {
 
     #[test]
     fn roots_are_read_and_refused() {
-        assert_eq!("free".parse(), Ok(RootChoice::Free));
+        for free in ["free", "Free"] {
+            assert_eq!(free.parse(), Ok(RootChoice::Free));
+        }
         assert_eq!("assisted".parse(), Ok(RootChoice::Assisted(None)));
         assert_eq!("assisted:80, 50".parse(), Ok(RootChoice::Assisted(Some((80.0, 50.0)))));
-        for bad in
-            ["", "Free", "assisted:", "assisted:80", "assisted:-1,2", "assisted:NaN,1", "assisted:1,inf"]
-        {
+        for bad in [
+            "",
+            "fre",
+            "free:1,2",
+            "fidelity",
+            "assisted:",
+            "assisted:80",
+            "assisted:-1,2",
+            "assisted:NaN,1",
+            "assisted:1,inf",
+        ] {
             let refused = bad.parse::<RootChoice>();
             assert_eq!(refused, Err(RootChoiceError(bad.into())), "{bad}");
         }

@@ -17,7 +17,7 @@ use std::path::Path;
 use controllers::{PARAMETERS, Parameter, Tunable, parameter};
 use serde::Deserialize;
 
-use crate::scene::Physics;
+use crate::conditions::Physics;
 use crate::{SceneError, Source};
 
 #[derive(Debug, Deserialize)]

@@ -140,7 +140,7 @@ impl Scan<'_> {
                     b')' => *path += &format!(".{word}"),
                     _ => {
                         *path += &format!("{{{word}}}");
-                        self.map.at.entry(path.clone()).or_insert(start); // the key: it may be what is wrong
+                        self.map.at.entry(path.clone()).or_insert(start); // the place of the key, for errors about its name
                     }
                 }
             } else {
@@ -154,7 +154,7 @@ impl Scan<'_> {
             if self.peek() == b',' {
                 self.i += 1;
             } else if self.i == start {
-                self.i += 1; // never stand still
+                self.i += 1; // skip a byte that begins nothing, so that the scan always ends
             }
         }
     }

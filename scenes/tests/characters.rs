@@ -2,8 +2,8 @@
 
 use std::path::Path;
 
-use dynamics::Character;
-use dynamics::anthropometry::human::human;
+use bodies::Character;
+use bodies::anthropometry::human::human;
 use scenes::character_file::{human_text, parse, read, write};
 use scenes::{SceneError, Source};
 

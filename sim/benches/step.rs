@@ -9,12 +9,13 @@ use std::hint::black_box;
 use std::sync::Arc;
 use std::time::Instant;
 
+use bodies::Character;
+use bodies::anthropometry::human::human;
 use controllers::{BalanceSettings, Drive, GainBlend, Goal, Setup, rest_of};
 use criterion::{Criterion, criterion_group};
-use dynamics::anthropometry::human::human;
-use dynamics::{Character, RootMode};
-use motion::{Clip, Plant, Script, Tracks, Vec3};
-use sim::{Engine, Ground, Pass, Run, World, WorldSettings};
+use dynamics::RootMode;
+use motion::{Clip, Floor, Plant, Script, Tracks, Vec3};
+use sim::{Engine, EngineEntry, EngineSettings, Pass, Rapier, Run};
 
 const RATE_HZ: f64 = 240.0;
 /// Steps per block: some 10 ms.
@@ -22,11 +23,11 @@ const BLOCK: usize = 24;
 /// Blocks of each kind.
 const BLOCKS: usize = 100;
 const GRAVITY: Vec3 = Vec3::new(0.0, -9.81, 0.0);
-const GROUND: Ground = Ground::level(0.0, 0.8);
+const GROUND: Floor = Floor::level(0.0, 0.8);
 
 /// The body standing with fixed drives: nothing but the engine.
-fn bare(c: &Character) -> (World, Vec<Drive>) {
-    let settings = WorldSettings {
+fn bare(c: &Character) -> (Rapier, Vec<Drive>) {
+    let settings = EngineSettings {
         rate_hz: RATE_HZ,
         substeps: 1,
         gravity: GRAVITY,
@@ -35,7 +36,7 @@ fn bare(c: &Character) -> (World, Vec<Drive>) {
         contact: Default::default(),
     };
     let still = vec![0.0; c.skeleton.nv()];
-    let world = World::new(c, settings, &c.rest, &still).unwrap();
+    let world = Rapier::new(c, settings, &c.rest, &still).unwrap();
     let drives = (0..world.model.bodies.len())
         .map(|i| Drive { stiffness: 5000.0, damping: 200.0, rest: rest_of(&world.model, i, &c.rest) })
         .collect();
@@ -55,15 +56,16 @@ fn whole(c: &Arc<Character>, scripted: bool) -> Run {
         gravity: GRAVITY,
         goal: Goal::new(&clip, RATE_HZ),
         tracks: scripted.then_some(tracks),
+        dense: Default::default(),
         tension: 1.0,
         plants: c.legs().map(|l| Plant::here(s, &c.rest, l)).collect(),
         ground_m: None,
         balance: BalanceSettings::default(),
         blend: GainBlend::RestAngle,
-        reactive: Vec::new(),
     };
     let pass = Pass {
         setup,
+        reactive: Vec::new(),
         substeps: Some(1),
         root: RootMode::Free,
         ground: Some(GROUND),
@@ -71,7 +73,7 @@ fn whole(c: &Arc<Character>, scripted: bool) -> Run {
         tilts: Vec::new(),
         carried: Vec::new(),
     };
-    pass.start().unwrap()
+    pass.start(&EngineEntry::default()).unwrap()
 }
 
 /// Least time per step of blocks of each work, taken in turn, s.
@@ -107,7 +109,7 @@ fn ratio() {
     let trace = script.finish().trace;
     assert!(trace.pose(trace.rows() - 1)[1] > 0.8, "the body has fallen");
     let mut touching = Vec::new();
-    world.contacts(0, &mut touching);
+    world.contacts(&mut touching);
     let own = trace.contacts.iter().filter(|c| c.row == trace.rows() - 1).count();
     println!("contact points: {} bare, {own} whole", touching.len());
     println!("{} degrees of freedom, {RATE_HZ} Hz, one substep; least of {BLOCKS} blocks", c.skeleton.nv());

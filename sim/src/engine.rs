@@ -1,20 +1,95 @@
 //! Engine: what the dynamic pass asks of an articulated-body engine.
 //!
-//! In: drives, stops, a root path, outside wrenches. Out: the state after a step and the contact forces of
-//! that step. [`World`](crate::World) is rapier's; a second engine behind the same trait runs the same pass,
-//! controllers in the loop, on its own state.
+//! In: drives, stops, a root path, outside wrenches. Out: the state after a step and the contact forces of that step.
+//! Controllers, pushes, the recorder and the pass know an engine as `Box<dyn Engine>` only, so that another engine runs
+//! the same pass, controllers in the loop, on its own state. Which engines there are is the affair of
+//! [`crate::Engines`]; an implementation is a module ([`crate::rapier`]) or a crate of its own.
+//!
+//! World frame, Y up, SI. Poses `q` and velocities `v` are in the layout of [`motion::skeleton`].
 
+use bodies::Character;
 use controllers::Drive;
-use controllers::stops::way_back;
-use dynamics::{Character, ContactSample, Model, State, Wrench};
-use motion::Vec3;
+use controllers::stops::restoring_torque;
+use dynamics::{Model, State, Wrench};
+use motion::{Floor, Vec3};
+use thiserror::Error;
 
-use crate::WorldError;
+/// What an engine is built for.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct EngineSettings {
+    /// Control steps per second, Hz.
+    pub rate_hz: f64,
+    /// Engine substeps per control step.
+    pub substeps: usize,
+    /// Gravity, m/s².
+    pub gravity: Vec3,
+    /// Ground plane, if any.
+    pub ground: Option<Floor>,
+    /// Whether the root's motion is given instead of simulated.
+    pub pinned: bool,
+    /// How contacts yield.
+    pub contact: ContactLaw,
+}
+
+/// How contacts yield.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub enum ContactLaw {
+    /// As stiff as the engine's solver allows, inelastic: what characters stand on.
+    #[default]
+    Stiff,
+    /// A spring and a damper at each point: stiffness m ω² and damping 2 ζ m ω with the apparent mass m of the
+    /// point, for comparisons at a known compliance. Holds while ω dt ≪ 1 and pushes only.
+    Spring {
+        /// ω/2π, Hz.
+        natural_frequency_hz: f64,
+        /// ζ.
+        damping_ratio: f64,
+    },
+}
+
+/// Why an engine cannot be built or stepped.
+#[derive(Clone, Debug, PartialEq, Error)]
+pub enum EngineError {
+    /// A free root whose zero frame is turned or shifted.
+    #[error("the root `{0}` must have its zero frame at the world's origin")]
+    RootFrame(String),
+    /// The engine refused a joint.
+    #[error("the engine refused the joint of `{0}`")]
+    Joint(String),
+    /// An engine that cannot be started or stopped working, in its own words.
+    #[error("{0}")]
+    Failed(String),
+    /// State that is not finite or moves faster than any character.
+    #[error("the simulation diverged at step {step} ({time_s:.3} s), first seen at `{body}`")]
+    Diverged {
+        /// Control step.
+        step: usize,
+        /// Time, s.
+        time_s: f64,
+        /// Link at which it showed.
+        body: String,
+    },
+}
+
+/// Force at one contact point, mean over the last step.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ContactForce {
+    /// Link that touches the ground.
+    pub link: usize,
+    /// Point of contact, world, m.
+    pub point: Vec3,
+    /// Force on the body, world, N.
+    pub force: Vec3,
+    /// Depth of penetration, m (negative when apart).
+    pub depth: f64,
+}
 
 /// An articulated body that can be driven and stepped.
-pub trait Engine {
-    /// Its name, as reports give it.
-    const NAME: &'static str;
+///
+/// Object-safe, and able to move to another thread, so that a run can be stepped by whoever holds it.
+pub trait Engine: Send {
+    /// Its name, as reports and the command line spell it.
+    fn name(&self) -> &str;
 
     /// The body, compiled.
     fn model(&self) -> &Model;
@@ -34,21 +109,21 @@ pub trait Engine {
     fn stops(&self) -> &[f64];
 
     /// Replaces masses, centres of mass and inertias by those of `character`: the same body, carrying more or
-    /// less. Pose and velocity stay, so that momentum changes by what comes or goes.
+    /// less. Pose and velocity stay, so that momentum changes by that of the mass added or removed.
     ///
     /// # Errors
     /// Of the engine.
-    fn set_masses(&mut self, character: &Character) -> Result<(), WorldError>;
+    fn set_masses(&mut self, character: &Character) -> Result<(), EngineError>;
 
     /// Sets the actuators for the next step: one drive per moving body, in the model's order. The entry of
-    /// a free root is ignored.
+    /// a free root is ignored. Without a call no joint is driven.
     fn set_drives(&mut self, drives: &[Drive]);
 
     /// Moves a pinned root so that it reaches `q_next` (a pose; only the root's entries are read) at the end
     /// of the next step, inertial forces on all it carries included. `state` is of the present pose.
     fn move_root(&mut self, state: &State, q_next: &[f64]);
 
-    /// Turns ground that may turn ([`crate::Ground::turns`]) so that it faces `up` (unit length, world) at the end of the
+    /// Turns ground that may turn ([`Floor::turns`]) so that it faces `up` (unit length, world) at the end of the
     /// next step, at a constant rate through it. Without a call it rests.
     fn turn_ground(&mut self, up: &Vec3);
 
@@ -58,14 +133,13 @@ pub trait Engine {
     /// Advances by one control step and clears the outside wrenches.
     ///
     /// # Errors
-    /// [`WorldError::Diverged`] when the numbers run away; [`WorldError::Engine`] when the engine fails.
-    fn step(&mut self) -> Result<(), WorldError>;
+    /// [`EngineError::Diverged`] when the state is not finite or too fast; [`EngineError::Failed`] when the engine fails.
+    fn step(&mut self) -> Result<(), EngineError>;
 
-    /// Appends the contacts of the last step to `out`, labelled with the trace row `row`; forces are means
-    /// over the step.
-    fn contacts(&self, row: usize, out: &mut Vec<ContactSample>);
+    /// Appends the contacts of the last step to `out`, in an order that depends on the state alone.
+    fn contacts(&self, out: &mut Vec<ContactForce>);
 
-    /// Stiffness of the stop of a body's joint (N·m/rad) and the way back into the range along its zero frame
+    /// Stiffness of the stop of a body's joint (N·m/rad) and its torque per stiffness along the zero frame
     /// (rad; in `.x` for hinges), in the present pose; `None` inside the range.
     fn stop(&self, body: usize) -> Option<(f64, Vec3)> {
         let model = self.model();
@@ -75,7 +149,7 @@ pub trait Engine {
         if k == 0.0 {
             return None;
         }
-        way_back(&b.joint, limits, self.q(), b.q_at).map(|back| (k, back))
+        restoring_torque(&b.joint, limits, self.q(), b.q_at).map(|back| (k, back))
     }
 
     /// Torque of the stop of a body's joint in the present pose, along its zero frame (in `.x` for hinges),

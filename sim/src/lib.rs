@@ -1,25 +1,26 @@
-//! The dynamic pass: a character with muscles, simulated by rapier.
+//! The dynamic pass: a character with muscles, simulated by an engine that is chosen by name.
 //!
-//! In: a character, a controller, a goal. Out: a [`dynamics::Trace`]. The only crate that names
-//! rapier, and only behind [`World`]: state in, drives and wrenches in, state and contact forces out,
-//! so that another articulated-body core can stand beside it.
+//! In: a character, a controller setup, a goal, an engine. Out: a [`dynamics::Trace`]. The pass and the recorder know
+//! engines as [`Engine`] only: drives and wrenches in, state and contact forces out. Another engine is a type with that
+//! trait and a line in an [`Engines`] table, in a module beside [`rapier`] or in a crate of its own.
 //!
 //! | module | holds |
 //! |---|---|
-//! | [`world`] | the articulated body and the ground in rapier |
-//! | [`engine`] | what the pass asks of an engine |
-//! | [`ground`] | the ground, and how it turns |
-//! | [`contacts`] | contact forces |
-//! | [`pass`] | a whole run, recorded |
+//! | [`engine`] | what the pass asks of an engine, its settings and errors |
+//! | [`engines`] | engines by name |
+//! | [`rapier`] | the articulated body and the ground in rapier |
+//! | [`pass`] | a whole run |
+//! | `recorder` | the trace of a run, row by row |
+//! | `load` | masses carried, row by row |
 
-pub mod contacts;
 pub mod engine;
-pub mod ground;
+pub mod engines;
 mod load;
 pub mod pass;
-pub mod world;
+pub mod rapier;
+mod recorder;
 
-pub use engine::Engine;
-pub use ground::{Ground, Tilt};
-pub use pass::{Outcome, Pass, PassError, Push, Run};
-pub use world::{ContactLaw, World, WorldError, WorldSettings};
+pub use engine::{ContactForce, ContactLaw, Engine, EngineError, EngineSettings};
+pub use engines::{EngineEntry, Engines, UnknownEngine};
+pub use pass::{Outcome, Pass, PassError, Run};
+pub use rapier::Rapier;

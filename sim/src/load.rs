@@ -5,7 +5,9 @@
 
 use std::sync::Arc;
 
-use dynamics::{Carrying, Character, Handed};
+use bodies::Character;
+use dynamics::Carrying;
+use dynamics::Handed;
 
 /// What a body carries, over the rows of a run.
 pub(crate) struct Load {

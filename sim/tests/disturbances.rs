@@ -1,19 +1,19 @@
 //! Laws of disturbances: tilted ground, masses that come and go.
 
-mod bodies;
+mod solids;
 
-use bodies::character;
-use dynamics::{Body, Carried, Character, ContactSample, Model, State};
-use motion::Curve;
-use motion::{Joint, Link, Quat, Shape, Vec3};
+use bodies::{Body, Carried, Character};
+use dynamics::{Model, State};
+use motion::{Curve, Floor, Joint, Link, Quat, Shape, Tilt, Vec3};
 use nalgebra::Matrix3;
-use sim::{Engine, Ground, Tilt, World, WorldSettings};
+use sim::{ContactForce, Engine, EngineSettings, Rapier};
+use solids::character;
 
 const G: f64 = 9.81;
 
-fn settings(rate_hz: f64, substeps: usize, ground: Option<Ground>) -> WorldSettings {
+fn settings(rate_hz: f64, substeps: usize, ground: Option<Floor>) -> EngineSettings {
     let gravity = Vec3::new(0.0, -G, 0.0);
-    WorldSettings { rate_hz, substeps, gravity, ground, pinned: false, contact: Default::default() }
+    EngineSettings { rate_hz, substeps, gravity, ground, pinned: false, contact: Default::default() }
 }
 
 const MASS: f64 = 12.0;
@@ -28,19 +28,19 @@ fn solid_box() -> Character {
 }
 
 /// A box on tilted ground, resting flat on it: its world and its total contact force after a second.
-fn on_slope(ground: Ground) -> (World, Vec3) {
+fn on_slope(ground: Floor) -> (Rapier, Vec3) {
     let c = solid_box();
     let mut q = c.rest.clone();
     c.skeleton.set_position(&mut q, 0, &(Vec3::y() * ground.height_m + ground.up * HALF[1]));
     let r = ground.turn();
     q[3..7].copy_from_slice(&[r.w, r.i, r.j, r.k]);
-    let mut world = World::new(&c, settings(240.0, 2, Some(ground)), &q, &[0.0; 6]).unwrap();
+    let mut world = Rapier::new(&c, settings(240.0, 2, Some(ground)), &q, &[0.0; 6]).unwrap();
     let mut force = Vec3::zeros();
     for step in 0..240 {
         world.step().unwrap();
         if step >= 180 {
-            let mut touching: Vec<ContactSample> = Vec::new();
-            world.contacts(0, &mut touching);
+            let mut touching: Vec<ContactForce> = Vec::new();
+            world.contacts(&mut touching);
             force += touching.iter().map(|c| c.force).sum::<Vec3>() / 60.0;
         }
     }
@@ -53,7 +53,7 @@ fn on_slope(ground: Ground) -> (World, Vec3) {
 fn a_slope_carries_the_weight() {
     let weight = MASS * G;
     for (tilt, towards) in [(0.0, 0.0), (0.1, 0.0), (0.3, 1.0), (0.3, -2.5), (0.5, 3.0)] {
-        let ground = Ground::level(0.7, 0.9).tilted(tilt, towards);
+        let ground = Floor::level(0.7, 0.9).tilted(tilt, towards);
         let (_, force) = on_slope(ground);
         let along = force.dot(&ground.up);
         let up_the_slope = (Vec3::y() - ground.up * ground.up.y).try_normalize(1e-9).unwrap_or_default();
@@ -74,7 +74,7 @@ fn a_slope_carries_the_weight() {
 #[test]
 fn too_steep_a_slope_lets_go() {
     let (tilt, friction): (f64, f64) = (0.4, 0.2);
-    let ground = Ground::level(0.0, friction).tilted(tilt, 0.8);
+    let ground = Floor::level(0.0, friction).tilted(tilt, 0.8);
     let (world, force) = on_slope(ground);
     let speed = Vec3::new(world.v()[0], world.v()[1], world.v()[2]).norm();
     let expected = G * (tilt.sin() - friction * tilt.cos()); // after one second
@@ -91,22 +91,22 @@ fn on_turning_ground(
     friction: f64,
     tilts: &[Tilt],
     seconds: f64,
-    mut see: impl FnMut(f64, &World, &Ground, &[ContactSample]),
+    mut see: impl FnMut(f64, &Rapier, &Floor, &[ContactForce]),
 ) {
     let c = solid_box();
-    let ground = Ground::level(0.3, friction).turning();
+    let ground = Floor::level(0.3, friction).turning();
     let mut q = c.rest.clone();
     // away from the pivot, so that the ground carries it along
     c.skeleton.set_position(&mut q, 0, &Vec3::new(0.4, ground.height_m + HALF[1], -0.3));
     let rate_hz = 240.0;
-    let mut world = World::new(&c, settings(rate_hz, 2, Some(ground)), &q, &[0.0; 6]).unwrap();
+    let mut world = Rapier::new(&c, settings(rate_hz, 2, Some(ground)), &q, &[0.0; 6]).unwrap();
     for step in 1..=(seconds * rate_hz) as usize {
         let t = step as f64 / rate_hz;
         let now = ground.at(tilts, t);
         world.turn_ground(&now.up);
         world.step().unwrap();
-        let mut touching: Vec<ContactSample> = Vec::new();
-        world.contacts(0, &mut touching);
+        let mut touching: Vec<ContactForce> = Vec::new();
+        world.contacts(&mut touching);
         see(t, &world, &now, &touching);
     }
 }
@@ -168,7 +168,7 @@ fn a_box_is_carried_by_the_ground() {
             let moment: Vec3 = touching.iter().map(|c| (c.point - m.com).cross(&c.force)).sum();
             force_off = force_off.max(((m.linear - p) * 240.0 - Vec3::y() * -G * MASS - force).norm());
             moment_off = moment_off.max(((m.angular - l) * 240.0 - moment).norm());
-            let power = |c: &ContactSample| mean.cross(&(c.point - ground.pivot())).dot(&c.force);
+            let power = |c: &ContactForce| mean.cross(&(c.point - ground.pivot())).dot(&c.force);
             work += touching.iter().map(power).sum::<f64>() / 240.0;
             gained += energy - e;
             most = most.max(f64::abs(gained));
@@ -223,9 +223,9 @@ fn a_body_that_is_given_a_mass_is_one_with_it() {
     for link in 0..4 {
         let load = Carried::solid_box(link, 2.5, Vec3::new(0.1, -0.2, 0.15), Vec3::new(0.3, 0.2, 0.1));
         let heavy = c.carrying([&load]);
-        let mut world = World::new(&c, settings(480.0, 1, None), &q, &v).unwrap();
+        let mut world = Rapier::new(&c, settings(480.0, 1, None), &q, &v).unwrap();
         for (other, bare) in [(&heavy, &c), (&c, &heavy)] {
-            let momentum = |world: &World, of: &Character| {
+            let momentum = |world: &Rapier, of: &Character| {
                 let model = Model::new(of, Vec3::y() * -G);
                 let mut state = State::new(&model);
                 state.update(&model, world.q(), world.v());
@@ -236,7 +236,7 @@ fn a_body_that_is_given_a_mass_is_one_with_it() {
             assert_eq!((world.q(), world.v()), (&before.0[..], &before.1[..]));
             let gained = (momentum(&world, other) - momentum(&world, bare)).norm();
             assert!(gained > 0.1, "{gained}");
-            let mut built = World::new(other, settings(480.0, 1, None), &before.0, &before.1).unwrap();
+            let mut built = Rapier::new(other, settings(480.0, 1, None), &before.0, &before.1).unwrap();
             for _ in 0..60 {
                 world.step().unwrap();
                 built.step().unwrap();
@@ -245,7 +245,7 @@ fn a_body_that_is_given_a_mass_is_one_with_it() {
             println!("link {link}: {apart:.1e}");
             assert!(apart < 1e-9, "link {link}: {apart}");
             // a wrong mass is seen
-            let mut light = World::new(bare, settings(480.0, 1, None), &before.0, &before.1).unwrap();
+            let mut light = Rapier::new(bare, settings(480.0, 1, None), &before.0, &before.1).unwrap();
             (0..60).for_each(|_| light.step().unwrap());
             let apart = world.v().iter().zip(light.v()).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
             assert!(apart > 1e-3, "link {link}: {apart}");

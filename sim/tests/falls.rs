@@ -4,9 +4,9 @@ use std::collections::BTreeSet;
 
 use controllers::{Drive, Rest};
 use dynamics::{Model, State};
-use motion::Vec3;
 use motion::rotation::exp;
-use sim::{Engine, Ground, World, WorldSettings};
+use motion::{Floor, Vec3};
+use sim::{Engine, EngineSettings, Rapier};
 
 const G: f64 = 9.81;
 
@@ -25,10 +25,10 @@ struct Tumble {
     links: usize,
 }
 
-fn tumble(spin: Vec3, ground: Ground) -> Tumble {
-    let (human, _) = dynamics::anthropometry::human::human();
+fn tumble(spin: Vec3, ground: Floor) -> Tumble {
+    let (human, _) = bodies::anthropometry::human::human();
     let (gravity, rate_hz, steps) = (Vec3::y() * -G, 240.0, 480);
-    let settings = WorldSettings {
+    let settings = EngineSettings {
         rate_hz,
         substeps: 2,
         gravity,
@@ -43,7 +43,7 @@ fn tumble(spin: Vec3, ground: Ground) -> Tumble {
     let mut v = vec![0.0; human.skeleton.nv()];
     v[2] = 1.0;
     v[3..6].copy_from_slice(spin.as_slice());
-    let mut world = World::new(&human, settings, &q, &v).unwrap();
+    let mut world = Rapier::new(&human, settings, &q, &v).unwrap();
     let model = Model::new(&human, gravity);
     let limp = vec![Drive { stiffness: 1.0, damping: 2.0, rest: Rest::None }; model.bodies.len()];
     let mut state = State::new(&model);
@@ -52,13 +52,13 @@ fn tumble(spin: Vec3, ground: Ground) -> Tumble {
     let (mut force_squares, mut moment_squares, mut gained) = (0.0, 0.0, 0.0);
     let (mut carried, mut energy) = (before.com, f64::INFINITY);
     let mut links = BTreeSet::new();
-    for step in 0..steps {
+    for _ in 0..steps {
         world.set_drives(&limp);
         world.step().unwrap();
         state.update(&model, world.q(), world.v());
         let after = state.momentum(&model);
         let mut touching = Vec::new();
-        world.contacts(step, &mut touching);
+        world.contacts(&mut touching);
         links.extend(touching.iter().map(|c| c.link));
         let mut force = (after.linear - before.linear) * rate_hz - gravity * model.mass;
         let mut moment = (after.angular - before.angular) * rate_hz;
@@ -87,11 +87,11 @@ fn tumble(spin: Vec3, ground: Ground) -> Tumble {
 /// The body moves as its momentum says, however it tumbles, the recorded contacts explain how that changes but for what
 /// the engine's integration makes of itself at an impact, and no energy comes of it.
 #[test]
-fn an_impact_is_explained() {
+fn slow_an_impact_is_explained() {
     for (spin, ground) in [
-        (Vec3::new(3.0, 0.0, 0.0), Ground::level(0.0, 0.8)),
-        (Vec3::new(0.0, 0.5, -3.0), Ground::level(0.0, 0.8)),
-        (Vec3::new(-4.0, 1.0, 1.0), Ground::level(-0.2, 0.3).tilted(0.2, 0.7)),
+        (Vec3::new(3.0, 0.0, 0.0), Floor::level(0.0, 0.8)),
+        (Vec3::new(0.0, 0.5, -3.0), Floor::level(0.0, 0.8)),
+        (Vec3::new(-4.0, 1.0, 1.0), Floor::level(-0.2, 0.3).tilted(0.2, 0.7)),
     ] {
         let t = tumble(spin, ground);
         println!("{spin:?}: {t:?}");

@@ -1,14 +1,15 @@
 //! Laws of the world: what goes in comes out, and nothing pushes from nowhere.
 
-mod bodies;
+mod solids;
 
-use bodies::character;
+use bodies::{Body, Character};
 use controllers::{Drive, Rest};
-use dynamics::{Body, Character, Model, State};
+use dynamics::{Model, State};
 use motion::rotation::exp;
-use motion::{Joint, Link, Shape, Vec3};
+use motion::{Floor, Joint, Link, Shape, Vec3};
 use nalgebra::{DMatrix, DVector, Matrix3};
-use sim::{Engine, Ground, World, WorldSettings};
+use sim::{Engine, EngineSettings, Rapier};
+use solids::character;
 
 fn body(mass: f64, com: Vec3, shapes: Vec<Shape>) -> Body {
     let inertia = Matrix3::from_diagonal(&Vec3::new(0.02, 0.03, 0.025)) * mass;
@@ -35,8 +36,8 @@ fn tree() -> Character {
     character(links, bodies)
 }
 
-fn settings(rate_hz: f64, substeps: usize) -> WorldSettings {
-    WorldSettings {
+fn settings(rate_hz: f64, substeps: usize) -> EngineSettings {
+    EngineSettings {
         rate_hz,
         substeps,
         gravity: Vec3::new(0.0, -9.81, 0.0),
@@ -59,7 +60,7 @@ fn start(c: &Character) -> (Vec<f64>, Vec<f64>) {
 fn state_round_trips() {
     let c = tree();
     let (q, v) = start(&c);
-    let mut world = World::new(&c, settings(1e6, 1), &q, &v).unwrap();
+    let mut world = Rapier::new(&c, settings(1e6, 1), &q, &v).unwrap();
     world.step().unwrap(); // 1 µs: the state has hardly moved
     for (a, b) in world.q().iter().zip(&q) {
         assert!((a - b).abs() < 1e-5, "{a} {b}");
@@ -75,7 +76,7 @@ fn one_step_agrees_with_forward_dynamics() {
     let c = tree();
     let (q, v) = start(&c);
     let dt = 1e-6;
-    let mut world = World::new(&c, settings(1.0 / dt, 1), &q, &v).unwrap();
+    let mut world = Rapier::new(&c, settings(1.0 / dt, 1), &q, &v).unwrap();
     world.step().unwrap();
     let model = Model::new(&c, Vec3::new(0.0, -9.81, 0.0));
     let mut state = State::new(&model);
@@ -99,7 +100,8 @@ fn a_pinned_root_carries_its_limbs() {
     let c = tree();
     let (q, v) = start(&c);
     let dt = 1e-6;
-    let mut world = World::new(&c, WorldSettings { pinned: true, ..settings(1.0 / dt, 1) }, &q, &v).unwrap();
+    let mut world =
+        Rapier::new(&c, EngineSettings { pinned: true, ..settings(1.0 / dt, 1) }, &q, &v).unwrap();
     let model = Model::new(&c, Vec3::new(0.0, -9.81, 0.0));
     let mut state = State::new(&model);
     state.update(&model, &q, &v);
@@ -143,7 +145,7 @@ fn momentum_is_conserved_to_first_order() {
     let drift = |rate: f64| {
         let mut s = settings(rate, 1);
         s.gravity = Vec3::zeros();
-        let mut world = World::new(&c, s, &q, &v).unwrap();
+        let mut world = Rapier::new(&c, s, &q, &v).unwrap();
         let mut state = State::new(&world.model);
         state.update(&world.model, world.q(), world.v());
         let before = state.momentum(&world.model);
@@ -173,11 +175,11 @@ fn the_ground_carries_the_weight() {
         vec![body(5.0, Vec3::zeros(), vec![shape]), body(1.0, Vec3::new(0.0, 0.1, 0.0), vec![])],
     );
     let mut s = settings(240.0, 2);
-    s.ground = Some(Ground::level(0.5, 0.8));
+    s.ground = Some(Floor::level(0.5, 0.8));
     let mut q = c.skeleton.zero_pose();
     q[1] = 0.605;
     let v = vec![0.0; c.skeleton.nv()];
-    let mut world = World::new(&c, s, &q, &v).unwrap();
+    let mut world = Rapier::new(&c, s, &q, &v).unwrap();
     let hold = Drive { stiffness: 50.0, damping: 1.0, rest: Rest::Scalar(0.0) };
     for _ in 0..480 {
         world.set_drives(&[Drive::NONE, hold]);
@@ -210,7 +212,7 @@ fn stops_turn_joints_back_at_the_ends_of_their_range() {
     let q = c.skeleton.zero_pose();
     let v = vec![0.8, 3.0, 0.6, 2.0];
     let run = |stops: f64| {
-        let mut world = World::new(&c, s, &q, &v).unwrap();
+        let mut world = Rapier::new(&c, s, &q, &v).unwrap();
         world.set_stops(&[stops; 3]);
         let mut state = State::new(&world.model);
         let (mut furthest, mut most): (f64, f64) = (0.0, 0.0);

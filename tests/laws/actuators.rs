@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use controllers::SetPoints;
+use controllers::{Controller, Plan, SetPoints};
 use dynamics::{Model, RootMode};
 use motion::rotation::log;
 use motion::{Joint, Vec3};
@@ -14,7 +14,7 @@ use super::stage::{bow, follow, gravity, hold, mocap, perform, performer, run};
 /// The trace of a script and of a clip, slack and braced: gains are never negative, and the torque of
 /// each hinge is k_lo (θ_L − θ) + k_hi (θ_H − θ) − k_d θ̇.
 #[test]
-fn springs_only_pull_and_torque_is_gain_times_error() {
+fn slow_springs_only_pull_and_torque_is_gain_times_error() {
     let c = Arc::new(human());
     let tracks = bow(&c);
     let mut traces = Vec::new();
@@ -91,8 +91,8 @@ fn dampers_only_take() {
         let body = Arc::new(body);
         let model = Model::new(&body, gravity());
         let setup = hold(&body, gravity(), 1.0, 3.0).setup;
-        let mut controller = controllers::Controller::new(setup).unwrap();
-        let settings = sim::WorldSettings {
+        let mut controller = Controller::new(Plan::new(setup, &[]), Vec::new());
+        let settings = sim::EngineSettings {
             rate_hz: 960.0,
             substeps: 1,
             gravity: gravity(),
@@ -100,7 +100,7 @@ fn dampers_only_take() {
             pinned: false,
             contact: Default::default(),
         };
-        let mut world = sim::World::new(&body, settings, &start, &vec![0.0; model.nv()]).unwrap();
+        let mut world = sim::Rapier::new(&body, settings, &start, &vec![0.0; model.nv()]).unwrap();
         let drives = controller.step(1, &start, &vec![0.0; model.nv()]).unwrap().to_vec();
         let mut state = dynamics::State::new(&model);
         let mut energies = Vec::new();

@@ -3,7 +3,7 @@
 use std::f64::consts::PI;
 use std::sync::Arc;
 
-use dynamics::{Body, Character, JointClass};
+use bodies::{Body, Character, JointClass};
 use motion::{Joint, Link, Skeleton, Vec3};
 use nalgebra::Matrix3;
 
@@ -71,7 +71,7 @@ pub fn locked(c: &Character, q: &[f64], free: &[usize]) -> Character {
 
 /// The standard figure.
 pub fn human() -> Character {
-    dynamics::anthropometry::human::human().0
+    bodies::anthropometry::human::human().0
 }
 
 /// Poses of the figure within its limits: rest, arms lifted and bent, bent over and twisted.

@@ -1,28 +1,23 @@
 //! Disturbances of a scene, by the laws they must keep: slopes, carried masses, pushes; and falls as outcomes.
 
-use std::path::Path;
-
 use controllers::LegTension;
 use dynamics::fall::Margin;
 use dynamics::{RootMode, Trace};
 use motion::Vec3;
 use motion::skeleton::vec_at;
-use scenes::{Outcome, Stage};
+use takes::{Ask, Engines, Input, Outcome, Take};
 
 const G: f64 = 9.81;
 
 /// A standing human with these fields in its scene.
-fn scene(fields: &str) -> Stage {
-    let human = Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../scenes/characters/human.ron"));
-    let folder = tempfile::tempdir().unwrap();
-    let path = folder.path().join("scene.ron");
-    let text = format!("Scene(character: {:?}, rate_hz: 60, {fields})", human.to_str().unwrap());
-    std::fs::write(&path, text).unwrap();
-    scenes::open(&path, None, &Default::default()).unwrap_or_else(|e| panic!("{e}"))
+fn scene(fields: &str) -> Take {
+    let ron = format!("Scene(character: \"characters/human.ron\", rate_hz: 60, {fields})");
+    takes::open(Input::Text { ron, base: support::root().join("scenes") }, &Ask::default())
+        .unwrap_or_else(|e| panic!("{e}"))
 }
 
-fn perform(stage: &Stage) -> Outcome {
-    let out = stage.perform(&mut |_| {}).unwrap();
+fn perform(take: &Take) -> Outcome {
+    let out = take.outcome(&Engines::default(), &mut |_| {}).unwrap();
     assert!(out.diverged.is_none(), "{:?}", out.diverged);
     assert_eq!(out.trace.root, RootMode::Free);
     out
@@ -36,14 +31,14 @@ fn at_the_end(t: &Trace, of: impl Fn(usize) -> Vec3) -> Vec3 {
 
 /// A person on a slope stands on m g: the tangential part is m g sin α, the normal one m g cos α.
 #[test]
-fn a_person_stands_on_a_slope() {
+fn slow_a_person_stands_on_a_slope() {
     for towards in [0.0, 90.0, 180.0] {
         let world = format!("world: (ground: Plane(friction: 0.8, tilt_deg: 5, towards_deg: {towards}))");
-        let stage = scene(&format!("settle_s: 3, {world}"));
-        let out = perform(&stage);
+        let take = scene(&format!("settle_s: 3, {world}"));
+        let out = perform(&take);
         assert!(out.fall.is_none(), "{towards}°: {:?}", out.fall);
         let t = &out.trace;
-        let (weight, up) = (stage.character.mass() * G, t.ground_up(0));
+        let (weight, up) = (take.body.character.mass() * G, t.ground_up(0));
         let sums = t.contact_sums();
         let force = at_the_end(t, |row| sums[row]);
         let normal = force.dot(&up);
@@ -58,9 +53,9 @@ fn a_person_stands_on_a_slope() {
         // 2e-7, 3e-8, 2e-6 seen
         assert!(errors[0] < 1e-3 && errors[1] < 1e-3 && errors[2] < 1e-2, "{towards}°: {errors:?}");
         // flat on the slope, and no corner of a sole leaves its place
-        let sites = stage.character.contacts.iter().map(|&i| &stage.character.skeleton.sites()[i]);
+        let sites = take.body.character.contacts.iter().map(|&i| &take.body.character.skeleton.sites()[i]);
         for s in sites {
-            let k = motion::Kinematics::new(&stage.character.skeleton, t.pose(t.rows() - 1));
+            let k = motion::Kinematics::new(&take.body.character.skeleton, t.pose(t.rows() - 1));
             assert!(t.height(0, &k.point(s.link, &s.at)).abs() < 1e-3, "{towards}° {}", s.name);
         }
     }
@@ -68,20 +63,20 @@ fn a_person_stands_on_a_slope() {
 
 /// Ground that tilts under a person who is not told: soles ride on it, shins stay upright, and the verdict is to stand.
 #[test]
-fn a_person_stands_on_a_seesaw() {
+fn slow_a_person_stands_on_a_seesaw() {
     for (towards, tilt) in [(0.0, 5.0), (180.0, 5.0), (90.0, 4.0), (-40.0, 5.0)] {
-        let stage = scene(&format!(
+        let take = scene(&format!(
             "settle_s: 5, world: (ground: Plane(friction: 0.8, tilts: [
                 Tilt(start_s: 0.5, duration_s: 1.2, tilt_deg: {tilt}, towards_deg: {towards}),
                 Tilt(start_s: 2.2, duration_s: 1.2)]))"
         ));
-        let out = perform(&stage);
+        let out = perform(&take);
         assert!(out.fall.is_none(), "{towards}°: {:?}", out.fall);
         let t = &out.trace;
         assert!(t.ground_turns());
         let steep = t.disturbed.ground_up.iter().map(|up| up.y.acos().to_degrees()).fold(0.0, f64::max);
         assert!((steep - tilt).abs() < 1e-6, "{steep}");
-        let c = &stage.character;
+        let c = &take.body.character;
         let sites: Vec<_> = c.contacts.iter().map(|&i| &c.skeleton.sites()[i]).collect();
         let at = |row: usize| motion::Kinematics::new(&c.skeleton, t.pose(row));
         let home = at(0);
@@ -107,17 +102,17 @@ fn a_person_stands_on_a_seesaw() {
 /// Statics of a load that the controller does not know of: the centre of pressure is under the common centre of
 /// mass, away from the body's own by m (x − c)/(M + m).
 #[test]
-fn a_carried_mass_moves_the_pressure() {
-    let stage = scene(
+fn slow_a_carried_mass_moves_the_pressure() {
+    let take = scene(
         "settle_s: 5, carried: [Carried(link: \"chest\", mass_kg: 6, at_m: (0.1, 0.1, 0.2), from_s: 0.5, known: false)]",
     );
-    let out = perform(&stage);
+    let out = perform(&take);
     assert!(out.fall.is_none(), "{:?}", out.fall);
     let t = &out.trace;
-    let (mass, load) = (stage.character.mass(), 6.0);
-    let links = stage.character.bodies.len();
+    let (mass, load) = (take.body.character.mass(), 6.0);
+    let links = take.body.character.bodies.len();
     let body = at_the_end(t, |row| {
-        let part = |l: usize| vec_at(&t.link_com, 3 * (row * links + l)) * stage.character.bodies[l].mass;
+        let part = |l: usize| vec_at(&t.link_com, 3 * (row * links + l)) * take.body.character.bodies[l].mass;
         (0..links).map(part).sum::<Vec3>() / mass
     });
     let crate_at = at_the_end(t, |row| vec_at(&t.disturbed.carried_com, 3 * row));
@@ -142,13 +137,13 @@ fn unexplained(t: &Trace) -> f64 {
 /// Momentum changes by what is on record and nothing else, through a push, a crate that comes and goes, and a slope.
 #[test]
 fn momentum_is_explained_through_every_disturbance() {
-    let stage = scene(
+    let take = scene(
         "settle_s: 3, world: (ground: Plane(friction: 0.8, tilt_deg: 3, towards_deg: 30)),
         pushes: [Push(link: \"chest\", impulse_ns: 12, towards_deg: 200, start_s: 0.8)],
         carried: [Carried(link: \"wrist_r\", mass_kg: 5, at_m: (0, -0.2, 0), from_s: 1, to_s: 2, known: false),
                   Carried(link: \"pelvis\", mass_kg: 2, at_m: (0, 0, 0.1), from_s: 1.2)]",
     );
-    let out = perform(&stage);
+    let out = perform(&take);
     assert!(out.fall.is_none(), "{:?}", out.fall);
     let explained = unexplained(&out.trace);
     println!("{explained:.1e} of body weight");
@@ -164,12 +159,12 @@ fn momentum_is_explained_through_every_disturbance() {
 
 /// A load that is known of is held where a surprise sags: shoulder and elbow hardly move (0.00° seen against 51°).
 #[test]
-fn a_known_load_is_held() {
+fn slow_a_known_load_is_held() {
     let moved = |known: bool| {
-        let stage = scene(&format!(
+        let take = scene(&format!(
             "settle_s: 2, carried: [Carried(link: \"wrist_r\", mass_kg: 5, at_m: (0, -0.2, 0.05), from_s: 0.5, known: {known})]"
         ));
-        let out = perform(&stage);
+        let out = perform(&take);
         let errors = motion::metrics::joint_errors(&out.trace.clip(), &out.trace.target_clip());
         errors.iter().map(|e| e.peak_deg).fold(0.0, f64::max)
     };
@@ -181,7 +176,7 @@ fn a_known_load_is_held() {
 
 /// Falls are told with their story: what was lost, in order of time, before the fall.
 #[test]
-fn a_fall_has_a_cause() {
+fn slow_a_fall_has_a_cause() {
     let pushed = |ns: f64, towards: f64| {
         perform(&scene(&format!(
             "settle_s: 3, pushes: [Push(link: \"pelvis\", impulse_ns: {ns}, towards_deg: {towards}, start_s: 0.5)]"
@@ -209,12 +204,12 @@ fn a_fall_has_a_cause() {
 #[test]
 fn the_legs_say_what_tension_they_use() {
     let of = |tension: f64| {
-        let stage = scene(&format!("settle_s: 0.2, physics: (tension: {tension})"));
-        (perform(&stage).leg_tension, stage)
+        let take = scene(&format!("settle_s: 0.2, physics: (tension: {tension})"));
+        (perform(&take).leg_tension, take)
     };
     for (asked, used) in [(0.25, 0.6), (4.0, 2.0)] {
-        let (told, stage) = of(asked);
-        let legs: Vec<usize> = stage.character.legs().flat_map(|l| [l.upper, l.lower, l.end]).collect();
+        let (told, take) = of(asked);
+        let legs: Vec<usize> = take.body.character.legs().flat_map(|l| [l.upper, l.lower, l.end]).collect();
         assert_eq!(told.len(), legs.len());
         for LegTension { link, asked: a, used: u, natural } in told {
             assert!(legs.contains(&link) && natural > 0.0);

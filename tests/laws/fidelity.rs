@@ -1,17 +1,15 @@
 //! Help from outside: on the record, never beyond its budget, and what it buys.
 
-use std::path::Path;
-
-use motion::format::bvh::ImportOptions;
 use rayon::ThreadPoolBuilder;
-use scenes::pareto::pareto;
+use sim::EngineEntry;
+use studies::pareto::pareto;
+use takes::Ask;
 
 /// More fidelity follows closer; the help stays within its budget; none is none. The same on one thread.
 #[test]
-fn fidelity_buys_tracking_within_its_budget() {
-    let scene = concat!(env!("CARGO_MANIFEST_DIR"), "/../scenes/bow.ron");
-    let stage = scenes::open(Path::new(scene), None, &ImportOptions::default()).unwrap();
-    let curve = pareto(&stage, &[1.0, 0.0, 0.3], &|_| {}).unwrap();
+fn slow_fidelity_buys_tracking_within_its_budget() {
+    let take = takes::open(support::scene("bow.ron"), &Ask::default()).unwrap();
+    let curve = pareto(&take, &[1.0, 0.0, 0.3], &EngineEntry::default(), &|_| {}).unwrap();
     for p in &curve.points {
         println!(
             "{}: {:.1} of {:.1} N, {:.1} of {:.1} N·m, {:.1} mm, {:.2}°",
@@ -39,7 +37,7 @@ fn fidelity_buys_tracking_within_its_budget() {
     assert!(all.joint_rms_deg < some.joint_rms_deg && some.joint_rms_deg < free.joint_rms_deg);
 
     let one = ThreadPoolBuilder::new().num_threads(1).build().unwrap();
-    let again = one.install(|| pareto(&stage, &[0.3], &|_| {}).unwrap());
+    let again = one.install(|| pareto(&take, &[0.3], &EngineEntry::default(), &|_| {}).unwrap());
     assert_eq!(again.points[0].position_rms_mm, some.position_rms_mm);
     assert_eq!(again.points[0].impulse_ns, some.impulse_ns);
 }

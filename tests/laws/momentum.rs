@@ -43,7 +43,7 @@ fn residual_of_places_rms(t: &Trace) -> f64 {
 
 /// The bow on free feet: balance of momentum, the weight on the ground at the end, feet that stay.
 #[test]
-fn the_bow_stands_on_contacts_alone() {
+fn slow_the_bow_stands_on_contacts_alone() {
     let c = Arc::new(human());
     let weight = c.mass() * 9.81;
     let tracks = bow(&c);
@@ -74,7 +74,7 @@ fn the_bow_stands_on_contacts_alone() {
 
 /// An assisted root: the same balance with the recorded wrench, which never exceeds its budget.
 #[test]
-fn assist_is_on_the_record_and_within_budget() {
+fn slow_assist_is_on_the_record_and_within_budget() {
     let c = Arc::new(human());
     let tracks = bow(&c);
     let (force_n, moment_nm) = (20.0, 8.0);

@@ -3,19 +3,19 @@
 use std::sync::Arc;
 
 use controllers::tension::stability_margin;
-use controllers::{Drive, Rest};
+use controllers::{Drive, Plan, Rest};
 use dynamics::{Model, State};
 use motion::{Joint, Vec3};
 use nalgebra::DMatrix;
-use sim::{Engine, World, WorldSettings};
+use sim::{Engine, EngineSettings, Rapier};
 
 use super::bodies::{ROD_LENGTH, ROD_MASS, human, locked, poses, rods};
 use super::stage::{RATE_HZ, gravity, hold, run};
 
 /// Worst angle of any joint from upright after 20 s, rad, of rods held at zero from a slight lean.
-fn lean_after(body: &Arc<dynamics::Character>, stiffness: &[f64]) -> f64 {
+fn lean_after(body: &Arc<bodies::Character>, stiffness: &[f64]) -> f64 {
     let model = Model::new(body, gravity());
-    let settings = WorldSettings {
+    let settings = EngineSettings {
         rate_hz: RATE_HZ,
         substeps: 1,
         gravity: gravity(),
@@ -23,7 +23,7 @@ fn lean_after(body: &Arc<dynamics::Character>, stiffness: &[f64]) -> f64 {
         pinned: false,
         contact: Default::default(),
     };
-    let mut world = World::new(body, settings, &body.rest, &vec![0.0; model.nv()]).unwrap();
+    let mut world = Rapier::new(body, settings, &body.rest, &vec![0.0; model.nv()]).unwrap();
     let mut q = body.rest.clone();
     model.skeleton.integrate(&mut q, &vec![1e-3; model.nv()], 1.0);
     world.set_state(&q, &vec![0.0; model.nv()]);
@@ -53,8 +53,8 @@ fn an_upright_rod_needs_m_g_l() {
     for joint in [Joint::Revolute(Vec3::z()), Joint::Revolute(Vec3::x()), Joint::Spherical] {
         let body = Arc::new(rods(1, joint, Vec3::y()));
         let setup = hold(&body, gravity(), 1.0, 0.1).setup;
-        let controller = controllers::Controller::new(setup).unwrap();
-        let (found, k1) = (controller.scale.least[1], controller.scale.k1[1]);
+        let scale = Plan::new(setup, &[]).scale;
+        let (found, k1) = (scale.least[1], scale.k1[1]);
         assert!((found / least - 1.0).abs() < 1e-12, "{joint:?}: {found} {least}");
         assert!(lean_after(&body, &[0.0, 0.97 * least]) > 0.1, "{joint:?} stands without the means");
         assert!(lean_after(&body, &[0.0, 1.03 * least]) < 1e-4, "{joint:?} falls");
@@ -93,7 +93,7 @@ fn a_chain_stands_where_its_hessian_is_positive() {
         assert!(lean_after(&body, &scaled(0.97 * high)) > 0.1, "{count} {joint:?} stand");
         assert!(lean_after(&body, &scaled(1.03 * high)) < 1e-3, "{count} {joint:?} fall");
         let setup = hold(&body, gravity(), 1.0, 0.1).setup;
-        let found = controllers::Controller::new(setup).unwrap().scale.least;
+        let found = Plan::new(setup, &[]).scale.least;
         assert!(stability_margin(&model, &body.rest, &found) > -1e-9, "{found:?}");
         let less: Vec<f64> = found.iter().map(|k| 0.99 * k).collect();
         assert!(stability_margin(&model, &body.rest, &less) < 0.0, "{found:?} is more than the least");
@@ -109,7 +109,7 @@ fn a_slack_limb_sags_and_is_named() {
     for name in ["shoulder_l", "elbow_r", "hip_l", "knee_l", "wrist_r"] {
         let link = figure.skeleton.link(name).unwrap();
         let body = Arc::new(locked(&figure, q, &[link]));
-        let scale = controllers::Controller::new(hold(&body, gravity(), 1.0, 0.1).setup).unwrap().scale;
+        let scale = Plan::new(hold(&body, gravity(), 1.0, 0.1).setup, &[]).scale;
         let least = scale.least[1];
         for (factor, sags) in [(0.8, true), (1.2, false)] {
             let out = run(hold(&body, gravity(), factor * least / scale.k1[1], 8.0));
@@ -145,7 +145,7 @@ fn sagging_knows_its_time() {
         pass.setup.tracks = Some(tracks.clone());
         pass
     };
-    let s = controllers::Controller::new(scale(1.0).setup).unwrap().scale;
+    let s = Plan::new(scale(1.0).setup, &[]).scale;
     let out = run(scale(0.9 * s.least[1] / s.k1[1]));
     assert_eq!(out.sagging.len(), 1, "{:?}", out.sagging);
     assert_eq!(out.sagging[0].link, 1);
@@ -154,7 +154,7 @@ fn sagging_knows_its_time() {
 }
 
 fn one_pose(
-    body: &Arc<dynamics::Character>,
+    body: &Arc<bodies::Character>,
     value: motion::script::PoseValue,
     start_s: f64,
     duration_s: f64,

@@ -3,11 +3,12 @@
 use std::path::PathBuf;
 use std::sync::Arc;
 
+use bodies::Character;
 use controllers::{BalanceSettings, GainBlend, Goal, Setup};
-use dynamics::{Character, Model, RootMode, State};
+use dynamics::{Model, RootMode, State};
 use motion::script::{Action, Cycle, Pose, PoseValue, Properties};
-use motion::{Clip, Curve, EulerOrder, Plant, Script, Tracks, Vec3};
-use sim::{Ground, Outcome, Pass};
+use motion::{Clip, Curve, EulerOrder, Floor, Plant, Script, Tracks, Vec3};
+use sim::{EngineEntry, Outcome, Pass};
 
 /// Control rate of a run that does not say otherwise, Hz.
 pub const RATE_HZ: f64 = 240.0;
@@ -36,15 +37,16 @@ pub fn follow(c: &Arc<Character>, clip: &Clip, gravity: Vec3, tension: f64, rate
         gravity,
         goal: Goal::new(clip, rate_hz),
         tracks: None,
+        dense: Default::default(),
         tension,
         plants: Vec::new(),
         ground_m: None,
         balance: BalanceSettings::default(),
         blend: GainBlend::RestAngle,
-        reactive: Vec::new(),
     };
     Pass {
         setup,
+        reactive: Vec::new(),
         substeps: Some(1),
         root: RootMode::Free,
         ground: None,
@@ -56,7 +58,7 @@ pub fn follow(c: &Arc<Character>, clip: &Clip, gravity: Vec3, tension: f64, rate
 
 /// Runs a pass to its end.
 pub fn run(pass: Pass) -> Outcome {
-    let out = pass.run(&mut |_| {}).unwrap();
+    let out = pass.run(&EngineEntry::default(), &mut |_| {}).unwrap();
     assert!(out.diverged.is_none(), "{:?}", out.diverged);
     out
 }
@@ -123,16 +125,17 @@ pub fn perform(c: &Arc<Character>, tracks: &Tracks, root: RootMode, rate_hz: f64
         gravity: gravity(),
         goal: Goal::new(&clip, rate_hz),
         tracks: Some(tracks.clone()),
+        dense: Default::default(),
         tension: 1.0,
         plants: if pinned { Vec::new() } else { plants },
         ground_m: None,
         balance: BalanceSettings::default(),
         blend: GainBlend::RestAngle,
-        reactive: Vec::new(),
     };
-    let ground = (!pinned).then_some(Ground::level(0.0, 0.8));
+    let ground = (!pinned).then_some(Floor::level(0.0, 0.8));
     Pass {
         setup,
+        reactive: Vec::new(),
         substeps: Some(substeps),
         root,
         ground,
@@ -144,14 +147,14 @@ pub fn perform(c: &Arc<Character>, tracks: &Tracks, root: RootMode, rate_hz: f64
 
 /// A file of the motion-capture data beside the repository.
 pub fn mocap(name: &str) -> PathBuf {
-    PathBuf::from(concat!(env!("CARGO_MANIFEST_DIR"), "/../../shared/mocap/bvh")).join(name)
+    support::shared(&format!("mocap/bvh/{name}"))
 }
 
 /// A body guessed for a clip, and the clip as that body can perform it.
 pub fn performer(file: &std::path::Path) -> (Arc<Character>, Clip) {
-    let (clip, _) = motion::format::bvh::read_file(file, &Default::default()).unwrap();
-    let (c, _) = dynamics::guess_body(&clip.skeleton, &Default::default()).unwrap();
-    let map = dynamics::PoseMap::new(&clip.skeleton, &c.skeleton).unwrap();
+    let (clip, _) = formats::bvh::read_file(file, &Default::default()).unwrap();
+    let (c, _) = bodies::guess_body(&clip.skeleton, &Default::default()).unwrap();
+    let map = bodies::PoseMap::new(&clip.skeleton, &c.skeleton).unwrap();
     let mut target = map.clip_to_character(&clip, &c.skeleton);
     for f in 0..target.frames() {
         c.skeleton.clamp_to_limits(target.pose_mut(f));

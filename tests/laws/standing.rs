@@ -4,29 +4,29 @@
 use std::path::Path;
 
 use dynamics::RootMode;
-use motion::format::bvh::ImportOptions;
+use scenes::Overrides;
 use scenes::overrides::RootChoice;
-use scenes::report::DynamicReport;
-use scenes::{Outcome, Overrides, Report, Stage};
+use takes::results::report::DynamicReport;
+use takes::{Ask, Engines, Outcome, Progress, Report, Take};
 
 use super::stage::mocap;
 
-fn open(file: &Path, span_s: Option<(f64, f64)>) -> Stage {
+fn open(file: &Path, span_s: Option<(f64, f64)>) -> Take {
     let overrides = Overrides { root: Some(RootChoice::Free), span_s, ..Overrides::default() };
-    scenes::open_with(file, None, &ImportOptions::default(), &overrides).unwrap()
+    takes::open(file, &Ask { overrides, ..Ask::default() }).unwrap()
 }
 
 /// It stands to the end by itself: no wrench on the root, its momentum balanced by gravity and contacts, its upper
 /// body on the motion asked for, and the body still over its feet.
-fn stands(name: &str, stage: &Stage, outcome: &Outcome) {
-    let d: DynamicReport = Report::new(stage, Some(outcome)).dynamic.unwrap();
+fn stands(name: &str, take: &Take, outcome: &Outcome) {
+    let d: DynamicReport = Report::of(take, Some(outcome), &[]).dynamic.unwrap();
     let t = &outcome.trace;
     assert!(d.fell_at_s.is_none() && d.diverged.is_none(), "{name}: {:?} {:?}", d.fell_at_s, d.diverged);
     assert_eq!(t.root, RootMode::Free);
     assert!(t.root_wrench.iter().all(|x| *x == 0.0));
     println!(
         "{name}: {:.2} s, upper body {:.2}°, links {:.1} mm, residual {:.3} %, slip {:.1} mm",
-        stage.kinematic.duration_s(),
+        take.asked.clip.duration_s(),
         d.upper_body_rms_deg,
         d.position_rms_mm,
         d.root.residual_force_rms_percent_bw,
@@ -40,31 +40,31 @@ fn stands(name: &str, stage: &Stage, outcome: &Outcome) {
 
 /// Drinking, and two calibration stances: one of them on feet far apart, one crouching.
 #[test]
-fn standing_clips_stand_free() {
+fn slow_standing_clips_stand_free() {
     for name in ["14_37", "127_01", "135_08"] {
-        let stage = open(&mocap(&format!("{name}.bvh")), None);
-        assert!(!stage.plants.is_empty() && !stage.stands_in_parts());
-        let outcome = stage.perform(&mut |_| {}).unwrap();
-        stands(name, &stage, &outcome);
+        let take = open(&mocap(&format!("{name}.bvh")), None);
+        assert!(!take.asked.plants.is_empty() && !take.stands_in_parts());
+        let outcome = take.outcome(&Engines::default(), &mut |_| {}).unwrap();
+        stands(name, &take, &outcome);
     }
 }
 
 /// Someone directs traffic and steps now and then: every standing span stands by itself.
 #[test]
-fn every_standing_span_of_a_clip_that_steps_stands_free() {
-    let stage = open(&mocap("14_24.bvh"), None);
-    assert!(stage.stands_in_parts());
-    let stance = stage.stance.clone().unwrap();
-    let rate = stage.kinematic.rate_hz;
+fn slow_every_standing_span_of_a_clip_that_steps_stands_free() {
+    let take = open(&mocap("14_24.bvh"), None);
+    assert!(take.stands_in_parts());
+    let stance = take.asked.stance.clone().unwrap();
+    let rate = take.asked.clip.rate_hz;
     assert!(stance.spans.windows(2).all(|w| w[0].frames.end == w[1].frames.start));
-    assert_eq!(stance.spans.last().unwrap().frames.end, stage.kinematic.frames());
+    assert_eq!(stance.spans.last().unwrap().frames.end, take.asked.clip.frames());
     let standing: f64 = stance.standing().map(|s| s.frames.len() as f64 / rate).sum();
     assert!(standing > 15.0, "{standing} s"); // 15.9 of 30.8 seen
-    let performed = stage.perform_standing(&|_| {}).unwrap();
-    assert_eq!(performed.len(), stance.standing().count());
-    for p in &performed {
+    let performed = take.perform(&Engines::default(), &Progress::silent()).unwrap();
+    assert_eq!(performed.spans().len(), stance.standing().count());
+    for p in performed.spans() {
         let frames = &stance.spans[p.span].frames;
-        stands(&format!("14_24 from {:.2} s", frames.start as f64 / rate), &p.stage, &p.outcome);
+        stands(&format!("14_24 from {:.2} s", frames.start as f64 / rate), &p.take, &p.outcome);
     }
 }
 
@@ -72,13 +72,13 @@ fn every_standing_span_of_a_clip_that_steps_stands_free() {
 #[test]
 fn steps_are_not_asked_to_stand() {
     for name in ["02_01", "09_01", "16_16", "16_35", "104_41_zombie", "49_07"] {
-        let stage = open(&mocap(&format!("{name}.bvh")), None);
-        let stance = stage.stance.clone().unwrap();
-        let stands: f64 = stance.standing().map(|s| s.frames.len() as f64 / stage.kinematic.rate_hz).sum();
-        let part = stands / stage.kinematic.duration_s();
+        let take = open(&mocap(&format!("{name}.bvh")), None);
+        let stance = take.asked.stance.clone().unwrap();
+        let stands: f64 = stance.standing().map(|s| s.frames.len() as f64 / take.asked.clip.rate_hz).sum();
+        let part = stands / take.asked.clip.duration_s();
         assert!(part < 0.2, "{name} stands for {stands} s"); // 15 % of the zombie, who waits before he walks
     }
-    let stance = open(&mocap("127_04.bvh"), None).stance.unwrap();
+    let stance = open(&mocap("127_04.bvh"), None).asked.stance.unwrap();
     assert_eq!(stance.spans.iter().map(|s| s.stands).collect::<Vec<_>>(), [true, false]);
 }
 
@@ -87,8 +87,8 @@ fn steps_are_not_asked_to_stand() {
 fn a_span_is_cut_from_its_clip() {
     let whole = open(&mocap("14_24.bvh"), None);
     let cut = open(&mocap("14_24.bvh"), Some((8.0, 10.0)));
-    assert_eq!(cut.kinematic.frames(), 241);
-    assert!(!cut.plants.is_empty(), "it stands from 8 to 10 s");
-    assert_eq!(cut.unedited.pose(0), whole.kinematic.pose(960));
-    assert_eq!(cut.clip.as_ref().unwrap().clip.frames(), 241);
+    assert_eq!(cut.asked.clip.frames(), 241);
+    assert!(!cut.asked.plants.is_empty(), "it stands from 8 to 10 s");
+    assert_eq!(cut.unedited.pose(0), whole.asked.clip.pose(960));
+    assert_eq!(cut.clip_source().unwrap().clip.frames(), 241);
 }

@@ -23,14 +23,14 @@ fn first_order(name: &str, changes: [f64; 2]) {
 }
 
 #[test]
-fn a_pinned_script_converges() {
+fn slow_a_pinned_script_converges() {
     let c = Arc::new(human());
     let tracks = bow(&c);
     first_order("pinned", changes(|rate| run(perform(&c, &tracks, RootMode::Pinned, rate, 1)).trace));
 }
 
 #[test]
-fn a_standing_script_converges() {
+fn slow_a_standing_script_converges() {
     let c = Arc::new(human());
     let tracks = bow(&c);
     for substeps in [1, 2] {
@@ -42,7 +42,7 @@ fn a_standing_script_converges() {
 /// A recording keyed at 30 Hz is smooth at these steps; the raw one, at 120 Hz, has noise that 240 Hz
 /// meets only twice a frame, so that its first halving gains more than half.
 #[test]
-fn a_pinned_clip_converges() {
+fn slow_a_pinned_clip_converges() {
     for name in ["02_01.bvh", "49_07.bvh"] {
         let (c, clip) = performer(&mocap(name));
         let changes_of = |clip: &Clip| {

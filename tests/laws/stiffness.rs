@@ -5,13 +5,13 @@
 
 use std::sync::Arc;
 
-use dynamics::{Character, Model, RootMode, State};
+use bodies::Character;
+use dynamics::{Model, Push, RootMode, State};
 use motion::rotation::log;
 use motion::skeleton::quat_at;
 use motion::{Joint, Vec3};
 use nalgebra::DMatrix;
 use rayon::prelude::*;
-use sim::Push;
 
 use super::bodies::{human, locked, poses, rods};
 use super::stage::{gravity, hold, hold_at, run};
@@ -103,7 +103,7 @@ const JOINTS: [&str; 8] =
 
 /// Without gravity, what a push measures is the tension itself: twice the one, twice the other.
 #[test]
-fn doubled_tension_doubles_the_measured_stiffness() {
+fn slow_doubled_tension_doubles_the_measured_stiffness() {
     let figure = human();
     let mut bodies = vec![
         ("hinge".to_string(), rods(1, Joint::Revolute(Vec3::z()), Vec3::x())),
@@ -132,7 +132,7 @@ fn doubled_tension_doubles_the_measured_stiffness() {
 
 /// Under gravity a push measures K − ∂τ_e/∂θ = K + ∂²V/∂θ², and the limb rests where it was told.
 #[test]
-fn gravity_adds_its_own_stiffness_and_moves_nothing() {
+fn slow_gravity_adds_its_own_stiffness_and_moves_nothing() {
     let figure = human();
     let mut bodies = Vec::new();
     for (pose, q) in poses(&figure) {
@@ -163,7 +163,7 @@ fn gravity_adds_its_own_stiffness_and_moves_nothing() {
         let (at, n) = (model.bodies[1].v_at, model.bodies[1].joint.nv());
         let curvature = all.view((at, at), (n, n)).into_owned();
         let setup = hold(&body, gravity(), 1.0, 0.1).setup;
-        let scale = controllers::Controller::new(setup).unwrap().scale;
+        let scale = controllers::Plan::new(setup, &[]).scale;
         let (least, k1) = (scale.least[1], scale.k1[1]);
         for k in [1.501 * least, 0.5 * k1, k1, 4.0 * k1] {
             if k < 1.5 * least || k < 0.1 * k1 {

@@ -2,12 +2,16 @@
 
 use std::sync::Arc;
 
-use edits::{Amplitude, Edit, EditLog, ExtentReach, Selector};
+use edits::{Amplitude, EditLog, ExtentReach, Selector, TrackEdit};
 use motion::{Clip, Dof, Kinematics, Tracks, Vec3};
-use scenes::Stage;
+use takes::{Ask, Engines, Take};
 
-fn stage(name: &str) -> Stage {
-    scenes::open(&promises::scene(name), None, &Default::default()).unwrap()
+fn take(name: &str) -> Take {
+    takes::open(support::scene(name), &Ask::default()).unwrap()
+}
+
+fn without_edits(name: &str) -> Take {
+    takes::open(support::scene(name), &Ask { no_edits: true, ..Ask::default() }).unwrap()
 }
 
 /// Time (s) of the peak angular speed of a link's joint between two times.
@@ -26,15 +30,15 @@ fn peak_time(clip: &Clip, link: &str, from_s: f64, to_s: f64) -> f64 {
 /// Succession by t spreads the times of peak joint speed from spine to hand by at least 2 t: in the
 /// preview and in the dynamic pass, for both transitions of the bow (0.2 s, 0.3 s).
 #[test]
-fn succession_spreads_the_peaks_from_spine_to_hand() {
-    let stage = stage("bow.ron");
-    let dynamic = stage.perform(&mut |_| {}).unwrap().trace.clip();
+fn slow_succession_spreads_the_peaks_from_spine_to_hand() {
+    let take = take("bow.ron");
+    let dynamic = take.outcome(&Engines::default(), &mut |_| {}).unwrap().trace.clip();
     let second = 0.4 + 0.9 + 0.8;
     for (t, from, to) in [(0.2, 0.3, second), (0.3, second, 6.0)] {
         let spread =
             |clip: &Clip| peak_time(clip, "wrist_r", from, to + 0.2) - peak_time(clip, "abdomen", from, to);
-        assert!(spread(&stage.unedited).abs() < 0.05, "unedited: together");
-        assert!(spread(&stage.kinematic) >= 2.0 * t, "kinematic {}", spread(&stage.kinematic));
+        assert!(spread(&take.unedited).abs() < 0.05, "unedited: together");
+        assert!(spread(&take.asked.clip) >= 2.0 * t, "kinematic {}", spread(&take.asked.clip));
         assert!(spread(&dynamic) >= 2.0 * t, "dynamic {}", spread(&dynamic));
     }
 }
@@ -52,7 +56,7 @@ const TWISTING: [&str; 5] = ["pelvis", "abdomen", "chest", "elbow_l", "elbow_r"]
 /// Amplitude a scales the joint ranges of cyclic poses by a ± 5 %.
 #[test]
 fn amplitude_scales_the_ranges_of_cyclic_poses() {
-    let plain = stage("twist.ron").plain.unwrap();
+    let plain = without_edits("twist.ron").asked.tracks.unwrap();
     for factor in [0.5, 1.2] {
         let mut tracks = plain.clone();
         let selection = Selector::label("twist").select(&tracks).unwrap();
@@ -72,8 +76,7 @@ fn amplitude_scales_the_ranges_of_cyclic_poses() {
 /// next one's.
 #[test]
 fn the_crescendo_grows_as_written() {
-    let stage = stage("twist.ron");
-    let (tracks, plain) = (stage.tracks.unwrap(), stage.plain.unwrap());
+    let [tracks, plain] = [take("twist.ron"), without_edits("twist.ron")].map(|t| t.asked.tracks.unwrap());
     let factor = |n: usize| 0.4 + (1.25 - 0.4) * n as f64 / 5.0;
     for repetition in 1..5 {
         let expected = 0.75 * factor(repetition) + 0.25 * factor(repetition + 1);
@@ -87,8 +90,7 @@ fn the_crescendo_grows_as_written() {
 /// Reach s scales the mean distance from shoulder to hand by s ± 1 %, over the poses of the twist.
 #[test]
 fn reach_scales_the_mean_hand_distance() {
-    let stage = stage("twist.ron").without_edits();
-    let plain = stage.tracks.clone().unwrap();
+    let plain = without_edits("twist.ron").asked.tracks.unwrap();
     let skeleton = Arc::clone(&plain.skeleton);
     for factor in [0.8, 0.9, 1.1] {
         let mut tracks = plain.clone();
@@ -132,19 +134,19 @@ fn arm_angle(clip: &Clip, first: &Vec3, last: &Vec3) -> Vec<f64> {
 /// Only tension differs: the slack reach lags at least 80 ms at the wrist and overshoots at least 3°,
 /// where the braced one stays below 1°.
 #[test]
-fn tension_decides_lag_and_overshoot() {
-    let (braced, slack) = (stage("reach.ron"), stage("reach-slack.ron"));
-    assert_eq!(braced.kinematic, slack.kinematic, "only tension differs");
-    let skeleton = &braced.character.skeleton;
+fn slow_tension_decides_lag_and_overshoot() {
+    let (braced, slack) = (take("reach.ron"), take("reach-slack.ron"));
+    assert_eq!(braced.asked.clip, slack.asked.clip, "only tension differs");
+    let skeleton = &braced.body.character.skeleton;
     let (shoulder, wrist) = (skeleton.link("shoulder_r").unwrap(), skeleton.link("wrist_r").unwrap());
     let direction = |f: usize| {
-        let k = Kinematics::new(skeleton, braced.kinematic.pose(f));
+        let k = Kinematics::new(skeleton, braced.asked.clip.pose(f));
         (k.origin(wrist) - k.origin(shoulder)).normalize()
     };
-    let (first, last) = (direction(0), direction(braced.kinematic.frames() - 1));
+    let (first, last) = (direction(0), direction(braced.asked.clip.frames() - 1));
     let goal = first.angle(&last).to_degrees();
-    let measure = |stage: &Stage| {
-        let clip = stage.perform(&mut |_| {}).unwrap().trace.clip();
+    let measure = |take: &Take| {
+        let clip = take.outcome(&Engines::default(), &mut |_| {}).unwrap().trace.clip();
         let angle = arm_angle(&clip, &first, &last);
         let half = angle.iter().position(|x| *x > goal / 2.0).unwrap() as f64 / clip.rate_hz;
         (half, angle.iter().copied().fold(0.0, f64::max) - goal)

@@ -2,25 +2,25 @@
 
 use dynamics::RootMode;
 use motion::{Kinematics, Vec3};
-use scenes::{Report, Stage};
+use takes::{Ask, Engines, Report, Take};
 
-fn stage(name: &str) -> Stage {
-    scenes::open(&promises::scene(name), None, &Default::default()).unwrap()
+fn take(name: &str) -> Take {
+    takes::open(support::scene(name), &Ask::default()).unwrap()
 }
 
 /// Each runs to its end without falling, on feet that hold, with no force but muscles and contacts.
 #[test]
-fn every_scene_stands_with_and_without_edits() {
-    let all = promises::scenes();
+fn slow_every_scene_stands_with_and_without_edits() {
+    let all = support::files(&support::root().join("scenes"), "ron");
     assert!(all.len() >= 7, "{all:?}");
     for path in all {
-        let edited = scenes::open(&path, None, &Default::default()).unwrap();
-        let plain = edited.without_edits();
-        for (stage, what) in [(&edited, "edited"), (&plain, "plain")] {
-            let name = format!("{} {what}", stage.name);
-            assert_eq!(stage.physics.root, RootMode::Free, "{name}");
-            let out = stage.perform(&mut |_| {}).unwrap();
-            let report = Report::new(stage, Some(&out));
+        let edited = takes::open(&path, &Ask::default()).unwrap();
+        let plain = takes::open(&path, &Ask { no_edits: true, ..Ask::default() }).unwrap();
+        for (take, what) in [(&edited, "edited"), (&plain, "plain")] {
+            let name = format!("{} {what}", take.name);
+            assert_eq!(take.conditions.physics.root, RootMode::Free, "{name}");
+            let out = take.outcome(&Engines::default(), &mut |_| {}).unwrap();
+            let report = Report::of(take, Some(&out), &[]);
             let d = report.dynamic.as_ref().unwrap();
             assert!(!d.fell && d.diverged.is_none(), "{name}: {d:?}");
             // kinematic feet are planted to rounding: 1e-12 mm seen
@@ -39,10 +39,10 @@ fn every_scene_stands_with_and_without_edits() {
 /// The trunk of the bow is pitched by at least 45° at the deepest, in the dynamic pass; feet are no
 /// longer than 0.27 m and nothing but the ground is fixed.
 #[test]
-fn the_bow_is_deep_and_stands_on_human_feet() {
-    let stage = stage("bow.ron");
-    let out = stage.perform(&mut |_| {}).unwrap();
-    let skeleton = &stage.character.skeleton;
+fn slow_the_bow_is_deep_and_stands_on_human_feet() {
+    let take = take("bow.ron");
+    let out = take.outcome(&Engines::default(), &mut |_| {}).unwrap();
+    let skeleton = &take.body.character.skeleton;
     let chest = skeleton.link("chest").unwrap();
     let deepest = (0..out.trace.rows())
         .map(|r| {
@@ -52,9 +52,10 @@ fn the_bow_is_deep_and_stands_on_human_feet() {
         .fold(0.0, f64::max);
     assert!(deepest >= 45.0, "{deepest}°"); // 62° seen
     assert!(out.fell_s.is_none());
-    let k = Kinematics::new(skeleton, &stage.character.rest);
-    for limb in stage.character.legs() {
-        let sole: Vec<f64> = stage
+    let k = Kinematics::new(skeleton, &take.body.character.rest);
+    for limb in take.body.character.legs() {
+        let sole: Vec<f64> = take
+            .body
             .character
             .contacts
             .iter()
@@ -66,22 +67,22 @@ fn the_bow_is_deep_and_stands_on_human_feet() {
             sole.iter().copied().fold(f64::MIN, f64::max) - sole.iter().copied().fold(f64::MAX, f64::min);
         assert!(length > 0.15 && length <= 0.27, "{length} m");
     }
-    assert!(stage.physics.ground.unwrap().friction <= 1.0);
-    assert_eq!(stage.physics.root, RootMode::Free);
+    assert!(take.conditions.physics.ground.unwrap().friction <= 1.0);
+    assert_eq!(take.conditions.physics.root, RootMode::Free);
 }
 
 /// The twist builds up, the shy twist dies down: arm travel per repetition.
 #[test]
 fn the_twist_builds_up_and_the_shy_one_dies_down() {
     for (name, grows) in [("twist.ron", true), ("twist-shy.ron", false)] {
-        let stage = stage(name);
-        let skeleton = &stage.character.skeleton;
+        let take = take(name);
+        let skeleton = &take.body.character.skeleton;
         let hand = skeleton.link("wrist_l").unwrap();
         let range = |from: f64, to: f64| {
             let mut travel = 0.0;
             let mut before: Option<Vec3> = None;
             for f in (from * 120.0) as usize..(to * 120.0) as usize {
-                let p = Kinematics::new(skeleton, stage.kinematic.pose(f)).origin(hand);
+                let p = Kinematics::new(skeleton, take.asked.clip.pose(f)).origin(hand);
                 travel += before.map_or(0.0, |b| (p - b).norm());
                 before = Some(p);
             }
@@ -96,13 +97,13 @@ fn the_twist_builds_up_and_the_shy_one_dies_down() {
 /// The twitch is small: a fifth of the broad tilt's travel, or less.
 #[test]
 fn the_twitch_is_a_small_tilt() {
-    let stage = stage("twitch.ron");
-    let skeleton = &stage.character.skeleton;
+    let take = take("twitch.ron");
+    let skeleton = &take.body.character.skeleton;
     let head = skeleton.link("head").unwrap();
     let travel = |clip: &motion::Clip| {
         let at = |f: usize| Kinematics::new(skeleton, clip.pose(f)).origin(head);
         (1..clip.frames()).map(|f| (at(f) - at(f - 1)).norm()).sum::<f64>()
     };
-    let ratio = travel(&stage.kinematic) / travel(&stage.unedited);
+    let ratio = travel(&take.asked.clip) / travel(&take.unedited);
     assert!(ratio < 0.3 && ratio > 0.05, "{ratio}"); // 0.22 asked for
 }

@@ -1,15 +1,15 @@
 //! Standing is free: scenes at every tension and rate, a quiet minute, nudges, ankles too soft to stand alone, and what each
 //! strategy of balance is worth.
 
-use dynamics::{RootMode, Trace};
+use dynamics::{Push, RootMode, Trace};
 use motion::{Clip, Kinematics, Vec3};
-use scenes::Stage;
 use scenes::overrides::Strategy;
-use scenes::push::{PushError, PushSettings, PushTest};
-use sim::{Push, World};
+use sim::EngineEntry;
+use studies::push::{PushError, PushSettings, PushTest};
+use takes::{Ask, Engines, Take};
 
-fn stage(name: &str) -> Stage {
-    scenes::open(&promises::scene(name), None, &Default::default()).unwrap()
+fn take(name: &str) -> Take {
+    takes::open(support::scene(name), &Ask::default()).unwrap()
 }
 
 fn feet(t: &Trace, row: usize) -> Vec<Vec3> {
@@ -33,10 +33,10 @@ fn pitch_and_slip(t: &Trace) -> (f64, f64) {
 fn stands_everywhere(name: &str, least_pitch: f64) {
     for rate_hz in [120.0, 240.0, 480.0] {
         for tension in [0.5, 1.0, 2.0, 4.0] {
-            let mut stage = stage(name);
-            (stage.physics.rate_hz, stage.physics.tension) = (rate_hz, tension);
-            assert_eq!(stage.physics.root, RootMode::Free);
-            let out = stage.perform(&mut |_| {}).unwrap();
+            let mut take = take(name);
+            (take.conditions.physics.rate_hz, take.conditions.physics.tension) = (Some(rate_hz), tension);
+            assert_eq!(take.conditions.physics.root, RootMode::Free);
+            let out = take.outcome(&Engines::default(), &mut |_| {}).unwrap();
             let at = format!("{name}, T = {tension}, {rate_hz} Hz");
             assert!(out.fell_s.is_none() && out.diverged.is_none(), "{at}: fell {:?}", out.fell_s);
             let raised = out.leg_tension.iter().any(|l| l.used > l.asked);
@@ -51,38 +51,38 @@ fn stands_everywhere(name: &str, least_pitch: f64) {
 
 /// 61.0° to 65.4° seen; feet within 1.3 mm.
 #[test]
-fn the_bow_stands_at_every_tension_and_rate() {
+fn slow_the_bow_stands_at_every_tension_and_rate() {
     stands_everywhere("bow.ron", 60.0);
 }
 
 /// To the end of its crescendo; feet turn by up to 10 mm.
 #[test]
-fn the_twist_stands_at_every_tension_and_rate() {
+fn slow_the_twist_stands_at_every_tension_and_rate() {
     stands_everywhere("twist.ron", 0.0);
 }
 
 #[test]
-fn the_reach_stands_at_every_tension_and_rate() {
+fn slow_the_reach_stands_at_every_tension_and_rate() {
     stands_everywhere("reach.ron", 0.0);
 }
 
 /// `stand.ron` for a minute, with nudges of 1 N·s forward at 20 s and to the left at 40 s.
 fn minute(ankle_stiffness: Option<f64>) -> Trace {
-    let mut stage = stage("stand.ron");
-    let clip = &stage.kinematic;
+    let mut take = take("stand.ron");
+    let clip = &take.asked.clip;
     let last = clip.pose(clip.frames() - 1).to_vec();
     let mut q = clip.data().to_vec();
     while q.len() < (60.5 * clip.rate_hz) as usize * last.len() {
         q.extend_from_slice(&last);
     }
-    stage.kinematic = Clip::new(clip.skeleton.clone(), clip.rate_hz, q);
-    stage.tracks.as_mut().unwrap().duration_s = stage.kinematic.duration_s();
-    stage.physics.balance.ankle_stiffness = ankle_stiffness;
-    let link = stage.character.skeleton.link("pelvis").unwrap();
+    take.asked.clip = Clip::new(clip.skeleton.clone(), clip.rate_hz, q);
+    take.asked.tracks.as_mut().unwrap().duration_s = take.asked.clip.duration_s();
+    take.conditions.physics.balance.ankle_stiffness = ankle_stiffness;
+    let link = take.body.character.skeleton.link("pelvis").unwrap();
     for (start_s, force) in [(20.0, Vec3::z() * 10.0), (40.0, Vec3::x() * 10.0)] {
-        stage.pushes.push(Push { link, at: Vec3::zeros(), force, start_s, duration_s: 0.1 });
+        take.conditions.pushes.push(Push { link, at: Vec3::zeros(), force, start_s, duration_s: 0.1 });
     }
-    let out = stage.perform(&mut |_| {}).unwrap();
+    let out = take.outcome(&Engines::default(), &mut |_| {}).unwrap();
     assert!(out.fell_s.is_none() && out.diverged.is_none());
     out.trace
 }
@@ -90,7 +90,7 @@ fn minute(ankle_stiffness: Option<f64>) -> Trace {
 /// No drift, hardly any sway from 5 s after a nudge on, feet that stay: also with ankles that alone would let the body
 /// fall (0.8 m g h). 0.01 mm of drift, 0.02 mm of sway and 1 µm of creep seen.
 #[test]
-fn a_minute_of_quiet_standing() {
+fn slow_a_minute_of_quiet_standing() {
     for ankle_stiffness in [None, Some(0.8)] {
         let t = minute(ankle_stiffness);
         let row = |s: f64| (s * t.rate_hz) as usize;
@@ -116,12 +116,12 @@ fn a_minute_of_quiet_standing() {
 
 /// Largest impulse survived, N·s; none of a body that does not stand by itself.
 fn survived(without: Option<Strategy>, deg: f64) -> f64 {
-    let mut stage = stage("stand.ron");
+    let mut take = take("stand.ron");
     if let Some(strategy) = without {
-        stage.physics.balance = stage.physics.balance.without(strategy);
+        take.conditions.physics.balance = take.conditions.physics.balance.without(strategy);
     }
     let settings = PushSettings { directions: 1, tolerance: 0.03, ..PushSettings::default() };
-    match PushTest::new(&stage, settings, World::new) {
+    match PushTest::new(&take, settings, &EngineEntry::default()) {
         Ok(test) => test.search(deg, &|_| {}).unwrap().survived_ns,
         Err(PushError::Unsteady { .. }) => 0.0,
         Err(e) => panic!("{e}"),
@@ -131,7 +131,7 @@ fn survived(without: Option<Strategy>, deg: f64) -> f64 {
 /// Each strategy switched off costs its own figure at least 5 %: the hips and the ankles pushes forward, the weight shift pushes
 /// to the side.
 #[test]
-fn every_strategy_carries_its_part() {
+fn slow_every_strategy_carries_its_part() {
     let (forward, left) = (survived(None, 0.0), survived(None, 90.0));
     for (strategy, deg, whole) in
         [(Strategy::Hip, 0.0, forward), (Strategy::Ankle, 0.0, forward), (Strategy::Weight, 90.0, left)]

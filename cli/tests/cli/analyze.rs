@@ -2,7 +2,7 @@
 
 use std::collections::BTreeSet;
 
-use crate::place::{Place, root};
+use crate::place::Place;
 use crate::report::paths;
 
 fn number(v: &serde_json::Value, path: &str) -> f64 {
@@ -14,7 +14,7 @@ const FILES: [&str; 5] = ["analysis.csv", "analysis.npz", "ground_forces.mot", "
 
 /// A standing clip: files, a summary that answers, numbers that agree with the body's weight.
 #[test]
-fn a_clip() {
+fn slow_a_clip() {
     let place = Place::new();
     let clip = place.clip("", "");
     let done = place.run(&["analyze", clip.to_str().unwrap()]);
@@ -23,7 +23,7 @@ fn a_clip() {
     {
         assert!(done.stdout.contains(word), "`{word}` is not in\n{}", done.stdout);
     }
-    let names: Vec<String> = place.files("out/clip-analysis").into_iter().map(|(n, _)| n).collect();
+    let names = place.names("out/clip-analysis");
     let tables: Vec<&String> = names.iter().filter(|n| !n.starts_with("plots/")).collect();
     assert_eq!(tables, FILES);
     assert_eq!(names.len() - tables.len(), 16);
@@ -90,13 +90,12 @@ fn options() {
     assert!((a / b - 1.0).abs() < 1e-3, "{a} {b}"); // masses are written with few digits
     let done = place.run(&["analyze", clip, "--format", "csv", "--no-plots", "--out", "c"]);
     assert_eq!(done.code, 0, "{}", done.stderr);
-    let names: Vec<String> = place.files("c").into_iter().map(|(n, _)| n).collect();
-    assert_eq!(names, ["analysis.csv", "report.json"]);
+    assert_eq!(place.names("c"), ["analysis.csv", "report.json"]);
 }
 
 /// Same input, same bytes; a new analysis replaces the old one and leaves other files.
 #[test]
-fn the_same_bytes() {
+fn slow_the_same_bytes() {
     let place = Place::new();
     let clip = place.clip("", "");
     let run = |out: &str, more: &[&str]| {
@@ -108,8 +107,7 @@ fn the_same_bytes() {
     assert!(place.files("a") == place.files("b"));
     place.write("b/notes.txt", "mine");
     run("b", &["--no-plots", "--format", "npz"]);
-    let names: Vec<String> = place.files("b").into_iter().map(|(n, _)| n).collect();
-    assert_eq!(names, ["analysis.npz", "notes.txt", "report.json"]);
+    assert_eq!(place.names("b"), ["analysis.npz", "notes.txt", "report.json"]);
 }
 
 /// Bad input: exit code 2, words, and the earlier analysis untouched.
@@ -118,7 +116,7 @@ fn bad_input() {
     let place = Place::new();
     let clip = place.clip("", "");
     let clip = clip.to_str().unwrap();
-    place.write("out/clip-analysis/report.json", "earlier");
+    place.earlier_run("out/clip-analysis", &["report.json"]);
     place.write("one.bvh", &{
         let text = std::fs::read_to_string(clip).unwrap();
         let (head, motion) = text.split_once("MOTION").unwrap();
@@ -147,7 +145,8 @@ fn bad_input() {
     }
     let file = place.write("a-file", "earlier");
     let done = place.run(&["analyze", clip, "--out", "a-file"]);
-    assert_eq!(done.code, 1, "{}", done.stderr);
+    assert_eq!(done.code, 2, "{}", done.stderr);
+    assert!(done.stderr.contains("it is a file, not a folder; allowed"), "{}", done.stderr);
     assert_eq!(std::fs::read_to_string(file).unwrap(), "earlier");
 }
 
@@ -158,7 +157,7 @@ fn the_document_names_every_field() {
     let clip = place.clip("", "");
     let mut fields = BTreeSet::new();
     paths(&report_of(&place, &[clip.to_str().unwrap(), "--friction", "0.001"]), "", &mut fields);
-    let document = std::fs::read_to_string(root().join("docs/ANALYSIS.md")).unwrap();
+    let document = std::fs::read_to_string(support::root().join("docs/ANALYSIS.md")).unwrap();
     let named: BTreeSet<String> = document
         .lines()
         .filter_map(|line| line.strip_prefix("| `")?.split_once('`'))

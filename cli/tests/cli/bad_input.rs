@@ -3,7 +3,7 @@
 
 use std::path::Path;
 
-use crate::place::{Place, human, root};
+use crate::place::{Place, human};
 
 /// Renders and expects a refusal with these words.
 #[track_caller]
@@ -164,7 +164,7 @@ fn disturbances_that_cannot_be() {
 
 /// Counts that would fill the memory are refused before it is filled.
 #[test]
-fn absurd_counts() {
+fn slow_absurd_counts() {
     bad_scene("Cycle(", "Cycle(repetitions: 99999999, ", &["99999999 repetitions", "allowed: 1 to 10000"]);
     bad_scene("Cycle(", "Cycle(repetitions: -3, ", &["-3 repetitions", "allowed: 1 to 10000"]);
     bad_scene("Cycle(", "Cycle(repetitions: 1e30, ", &["scene.ron:5:"]);
@@ -230,7 +230,7 @@ fn a_clip_without_a_human() {
     let clip = place.write("lamp.bvh", &nameless.join("\n"));
     refused(&place, &clip, &[], &["lamp.bvh", "not a human-like skeleton", "--body"]);
     let whole = place.clip("", "");
-    let body = root().join("scenes/characters/human.ron");
+    let body = support::scene("characters/human.ron");
     let words = ["does not fit", "`elbow_l` (a ball on `shoulder_l`)", "`elbow_l` (a hinge on `shoulder_l`)"];
     refused(&place, &whole, &["--body", body.to_str().unwrap()], &words);
 }

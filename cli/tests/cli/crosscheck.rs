@@ -42,8 +42,7 @@ fn a_model_agrees() {
     assert_eq!(done.code, 0, "{}", done.stderr);
     assert!(done.stdout.starts_with("rod: all 13 checks against MuJoCo 4.0.0 pass"), "{}", done.stdout);
     assert!(done.stdout.contains("out/rod-crosscheck/crosscheck.html"), "{}", done.stdout);
-    let names: Vec<_> = place.files("out/rod-crosscheck").into_iter().map(|f| f.0).collect();
-    assert_eq!(names, ["crosscheck.html", "crosscheck.json", "crosscheck.txt"]);
+    assert_eq!(place.names("out/rod-crosscheck"), ["crosscheck.html", "crosscheck.json", "crosscheck.txt"]);
     let done = check(&place, &["--json", "--seed", "3"]);
     assert_eq!((done.code, done.stderr.as_str()), (0, ""));
     let v = json(&done);
@@ -61,7 +60,7 @@ fn a_model_agrees() {
 
 /// A fault from the command line: exit code 1, and the quantity is named with its place.
 #[test]
-fn a_fault_is_named() {
+fn slow_a_fault_is_named() {
     let place = place();
     for (fault, named) in [
         ("mass:rod*1.01", "masses (`rod`)"),
@@ -78,7 +77,7 @@ fn a_fault_is_named() {
 
 /// The same through a second file.
 #[test]
-fn a_changed_file_is_named() {
+fn slow_a_changed_file_is_named() {
     let place = place();
     place.write("heavier.xml", &MODEL.replace("mass=\"1.5\"", "mass=\"1.515\""));
     let done = check(&place, &["--against", "heavier.xml"]);
@@ -91,7 +90,7 @@ fn a_changed_file_is_named() {
 
 /// Bad input is told where, exits 2, and leaves what was there.
 #[test]
-fn bad_input_is_told() {
+fn slow_bad_input_is_told() {
     let place = place();
     assert_eq!(check(&place, &[]).code, 0);
     let hinge = r#"<joint name="hinge" type="hinge" axis="0 1 0"/>"#;

@@ -3,7 +3,7 @@
 use std::io::Read;
 use std::process::{Command, Stdio};
 
-use crate::place::{Place, root};
+use crate::place::Place;
 
 fn json(place: &Place, path: &str) -> serde_json::Value {
     let done = place.run(&["inspect", path, "--json"]);
@@ -38,7 +38,7 @@ fn a_scene() {
 #[test]
 fn a_character() {
     let place = Place::new();
-    let human = root().join("scenes/characters/human.ron").canonicalize().unwrap();
+    let human = support::scene("characters/human.ron").canonicalize().unwrap();
     let v = json(&place, human.to_str().unwrap());
     assert_eq!(v["kind"], "character");
     let links = v["links"].as_array().unwrap();
@@ -67,7 +67,7 @@ fn a_clip() {
 /// `inspect … | head -1`: a reader that leaves early is no failure and no panic.
 #[test]
 fn a_reader_that_leaves() {
-    let human = root().join("scenes/characters/human.ron");
+    let human = support::scene("characters/human.ron");
     let mut child = Command::new(env!("CARGO_BIN_EXE_contrapposto"))
         .args(["inspect", "--json"])
         .arg(human)

@@ -4,10 +4,8 @@ use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 use std::sync::atomic::{AtomicUsize, Ordering};
 
-/// The repository.
-pub fn root() -> PathBuf {
-    Path::new(env!("CARGO_MANIFEST_DIR")).join("..")
-}
+use takes::results::folder::manifest::{MANIFEST, Manifest};
+use takes::results::folder::{Folder, Plan};
 
 /// An empty folder, removed when dropped.
 pub struct Place(PathBuf);
@@ -55,7 +53,8 @@ impl Place {
     pub fn clip(&self, from: &str, to: &str) -> PathBuf {
         let scene = self.scene("", "");
         let clip = self.at("clip.bvh");
-        let made = self.run(&["convert", scene.to_str().unwrap(), clip.to_str().unwrap(), "--rate", "30"]);
+        let args = ["convert", scene.to_str().unwrap(), clip.to_str().unwrap(), "--rate", "30", "--force"];
+        let made = self.run(&args);
         assert_eq!(made.code, 0, "{}", made.stderr);
         let text = std::fs::read_to_string(&clip).unwrap();
         self.write("clip.bvh", &replaced(&text, from, to))
@@ -84,8 +83,7 @@ impl Place {
     /// Runs into `out`, in which earlier output lies: expects a refusal with these words, and the folder as it was.
     #[track_caller]
     pub fn refused(&self, args: &[&str], words: &[&str]) {
-        self.write("out/kinematic.bvh", "earlier");
-        self.write("out/report.json", "earlier");
+        self.earlier_run("out", &["kinematic.bvh", "report.json"]);
         self.write("out/notes.txt", "mine");
         let before = self.files("out");
         let done = self.run(&[args, &["--no-plots", "--out", "out"]].concat());
@@ -102,6 +100,27 @@ impl Place {
     /// The report that a run wrote into a folder.
     pub fn report(&self, folder: &str) -> serde_json::Value {
         serde_json::from_slice(&std::fs::read(self.at(folder).join("report.json")).unwrap()).unwrap()
+    }
+
+    /// Files as a run leaves them, with a manifest.
+    pub fn earlier_run(&self, folder: &str, names: &[&str]) {
+        let planned: Vec<String> = names.iter().map(|n| (*n).to_owned()).collect();
+        let plan = Plan { command: "render", planned: &planned, ..Plan::default() };
+        let mut made = Folder::begin(&self.at(folder), &plan).unwrap();
+        names.iter().for_each(|name| made.write(name, b"earlier").unwrap());
+        made.commit().unwrap();
+    }
+
+    /// Names of the files in the folder of a run, without its manifest, which lists what the run wrote: all of that is there as
+    /// it was written.
+    pub fn names(&self, folder: &str) -> Vec<String> {
+        let dir = self.at(folder);
+        let (manifest, _) =
+            Manifest::read(&dir).unwrap().unwrap_or_else(|| panic!("no manifest in {folder}"));
+        for (name, stamp) in &manifest.files {
+            assert!(stamp.is_of(&dir.join(name)).unwrap(), "{folder}/{name} is not as it was written");
+        }
+        self.files(folder).into_iter().map(|(name, _)| name).filter(|name| name != MANIFEST).collect()
     }
 
     /// Paths of all files in a folder, relative to it, and their bytes, sorted.
@@ -151,7 +170,7 @@ impl Done {
 
 /// The standard figure.
 pub fn human() -> String {
-    std::fs::read_to_string(root().join("scenes/characters/human.ron")).unwrap()
+    std::fs::read_to_string(support::scene("characters/human.ron")).unwrap()
 }
 
 /// A text with one part, which must be there, replaced.

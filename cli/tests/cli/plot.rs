@@ -1,5 +1,7 @@
 //! `plot` from end to end.
 
+use takes::results::folder::manifest::MANIFEST;
+
 use crate::place::{Done, Place};
 
 const EACH: [&str; 9] =
@@ -10,10 +12,6 @@ fn run(place: &Place) {
     let scene = place.scene("", "");
     let done = place.run(&["render", scene.to_str().unwrap(), "--no-plots", "--out", "run"]);
     assert_eq!(done.code, 0, "{}", done.stderr);
-}
-
-fn names(place: &Place, folder: &str) -> Vec<String> {
-    place.files(folder).into_iter().map(|(name, _)| name).collect()
 }
 
 fn json(done: &Done) -> serde_json::Value {
@@ -29,7 +27,7 @@ fn number(v: &serde_json::Value, path: &str) -> f64 {
 /// All figures beside the trace, from the folder or the file, the same bytes each time; what the run left
 /// stays.
 #[test]
-fn all_figures_of_a_run() {
+fn slow_all_figures_of_a_run() {
     let place = Place::new();
     run(&place);
     let before = place.files("run");
@@ -37,15 +35,24 @@ fn all_figures_of_a_run() {
     assert_eq!(done.code, 0, "{}", done.stderr);
     let expected: Vec<String> =
         EACH.iter().flat_map(|w| ["png", "svg"].map(|kind| format!("{w}.{kind}"))).collect();
-    assert_eq!(names(&place, "run/plots"), expected);
-    let kept: Vec<_> = place.files("run").into_iter().filter(|(n, _)| !n.starts_with("plots/")).collect();
-    assert!(kept == before);
+    let figures = |folder: &str| {
+        let plots = |name: String| name.strip_prefix("plots/").map(str::to_owned);
+        place.names(folder).into_iter().filter_map(plots).collect::<Vec<String>>()
+    };
+    assert_eq!(figures("run"), expected);
+    for (name, bytes) in before.iter().filter(|(name, _)| name != MANIFEST) {
+        assert!(std::fs::read(place.at("run").join(name)).unwrap() == *bytes, "{name} changed");
+    }
     for what in EACH {
         assert!(done.stdout.contains(&format!("run/plots/{what}.svg")), "{}", done.stdout);
     }
     let done = place.run(&["plot", "run/trace.npz", "--out", "again"]);
     assert_eq!(done.code, 0, "{}", done.stderr);
-    assert!(place.files("run/plots") == place.files("again"));
+    assert_eq!(place.names("again"), expected);
+    for name in &expected {
+        let [a, b] = ["run/plots", "again"].map(|folder| std::fs::read(place.at(folder).join(name)).unwrap());
+        assert!(a == b, "{name} differs");
+    }
 }
 
 /// The numbers on the figures: what was measured is what the motion requires, in total and per foot.
@@ -89,7 +96,7 @@ fn mujoco_beside_the_trace() {
     std::fs::create_dir(place.at("run/mujoco")).unwrap();
     std::fs::copy(place.at("run/trace.npz"), place.at("run/mujoco/trace.npz")).unwrap();
     std::fs::copy(place.at("run/trace.npz"), place.at("other.npz")).unwrap();
-    let args = ["plot", "run", "--what", "contact", "--json", "--out", "a.svg"];
+    let args = ["plot", "run", "--what", "contact", "--json", "--out", "a.svg", "--force"];
     let rms =
         |v: &serde_json::Value| number(&v["figures"][0]["numbers"], "rms_difference_n.mujoco.total.vertical");
     assert_eq!(rms(&json(&place.run(&args))), 0.0);
@@ -107,9 +114,10 @@ fn selections() {
     run(&place);
     let done = place.run(&["plot", "run", "--what", "torque", "--joints", "knee_l", "--out", "f/knee.png"]);
     assert_eq!(done.code, 0, "{}", done.stderr);
-    assert_eq!(names(&place, "f"), ["knee.png"]);
+    assert_eq!(place.files("f").len(), 1, "one file, and nothing beside it");
+    assert!(place.at("f/knee.png").exists());
     let svg = |args: &[&str]| {
-        let done = place.run(&[&["plot", "run", "--out", "x.svg", "--what"], args].concat());
+        let done = place.run(&[&["plot", "run", "--out", "x.svg", "--force", "--what"], args].concat());
         assert_eq!(done.code, 0, "{}", done.stderr);
         std::fs::read_to_string(place.at("x.svg")).unwrap()
     };
@@ -124,7 +132,7 @@ fn selections() {
         let v = json(&place.run(&["plot", input.to_str().unwrap(), "--what", "all", "--json"]));
         assert_eq!(v["figures"].as_array().unwrap().len(), EACH.len() - 1);
         assert!(v["left_out"][0].as_str().unwrap().contains("gains"), "{v:#}");
-        assert_eq!(names(&place, &format!("out/{stem}/plots")).len(), 2 * (EACH.len() - 1));
+        assert_eq!(place.files(&format!("out/{stem}/plots")).len(), 2 * (EACH.len() - 1));
     }
 }
 
@@ -184,16 +192,18 @@ fn bad_input() {
     );
 }
 
-/// A folder that cannot be written to: exit code 1, earlier figures whole.
+/// A folder that cannot be written to: exit code 1, or 2 if it is a file; earlier figures whole.
 #[test]
 fn a_locked_door() {
     let place = Place::new();
     run(&place);
     place.write("a-file", "earlier");
     let before = place.files("");
-    for out in ["a-file", "a-file/below", "/proc/nowhere/out", "/proc/nowhere/out.svg"] {
+    for (out, code) in
+        [("a-file", 2), ("a-file/below", 1), ("/proc/nowhere/out", 1), ("/proc/nowhere/out.svg", 1)]
+    {
         let done = place.run(&["plot", "run", "--what", "com", "--out", out]);
-        assert_eq!(done.code, 1, "{out}: {}", done.stderr);
+        assert_eq!(done.code, code, "{out}: {}", done.stderr);
         assert!(done.stderr.starts_with("error: cannot write"), "{}", done.stderr);
     }
     assert!(place.files("") == before);
@@ -201,12 +211,12 @@ fn a_locked_door() {
 
 /// A run that diverged leaves NaN; what can be drawn is drawn, and the figure says what cannot.
 #[test]
-fn a_run_that_diverged() {
+fn slow_a_run_that_diverged() {
     let place = Place::new();
     let push = "settle_s: 0.2, pushes: [Push(link: \"wrist_r\", impulse_ns: (1e6, 0, 0), start_s: 0.1)]";
     let scene = place.scene("settle_s: 0.2", push);
     assert_eq!(place.run(&["render", scene.to_str().unwrap(), "--no-plots", "--out", "run"]).code, 1);
     let done = place.run(&["plot", "run"]);
     assert_eq!(done.code, 0, "{}", done.stderr);
-    assert_eq!(names(&place, "run/plots").len(), 2 * EACH.len());
+    assert_eq!(place.files("run/plots").len(), 2 * EACH.len());
 }

@@ -19,7 +19,7 @@ fn push(place: &Place, args: &[&str], threads: &str) -> Done {
 
 /// Table, report and figure; the report is what `--json` prints, on any number of threads.
 #[test]
-fn a_map_is_written() {
+fn slow_a_map_is_written() {
     let place = place();
     place.write("out/stand-push/notes.txt", "mine");
     let done = push(&place, &[], "2");
@@ -29,9 +29,8 @@ fn a_map_is_written() {
     {
         assert!(done.stdout.contains(words), "{words}: {}", done.stdout);
     }
-    let names: Vec<_> = place.files("out").into_iter().map(|f| f.0).collect();
     let expected = ["notes.txt", "plots/push.png", "plots/push.svg", "report.json"];
-    assert_eq!(names, expected.map(|n| format!("stand-push/{n}")));
+    assert_eq!(place.names("out/stand-push"), expected);
     let report = std::fs::read_to_string(place.at("out/stand-push/report.json")).unwrap();
     let v: serde_json::Value = serde_json::from_str(&report).unwrap();
     let directions = v["directions"].as_array().unwrap();
@@ -51,7 +50,8 @@ fn a_map_is_written() {
     let again = push(&place, &["--json", "--no-plots", "--out", "again"], "1");
     assert_eq!((again.code, again.stderr.as_str()), (0, ""));
     let mut w: serde_json::Value = serde_json::from_str(&again.stdout).unwrap();
-    assert_eq!(again.stdout.as_bytes(), place.files("again")[0].1);
+    assert_eq!(place.names("again"), ["report.json"]);
+    assert_eq!(again.stdout.as_bytes(), std::fs::read(place.at("again/report.json")).unwrap());
     assert_eq!(w["files"].as_object().unwrap().len(), 1);
     w["files"] = v["files"].clone();
     assert_eq!(w, v);

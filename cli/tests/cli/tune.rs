@@ -36,7 +36,7 @@ fn text(place: &Place, name: &str) -> String {
 
 /// A patch, a page, every point, a report; the patch applies.
 #[test]
-fn a_scene_is_tuned() {
+fn slow_a_scene_is_tuned() {
     let place = place();
     let done = tune(&place, &["--evaluations", "10", "--slices", "2", "--seed", "5"]);
     assert_eq!(done.code, 0, "{}", done.stderr);
@@ -46,14 +46,13 @@ fn a_scene_is_tuned() {
     {
         assert!(done.stdout.contains(words), "{words}: {}", done.stdout);
     }
-    let names: Vec<_> = place.files("out").into_iter().map(|f| f.0).collect();
     let mut expected = vec!["patch.ron", "report.json", "samples.csv", "tune.html"];
     let figures: Vec<String> = ["convergence", "slices", "terms"]
         .iter()
         .flat_map(|f| ["png", "svg"].map(|kind| format!("plots/{f}.{kind}")))
         .collect();
     expected.splice(1..1, figures.iter().map(String::as_str));
-    assert_eq!(names, expected.iter().map(|n| format!("stand-tune/{n}")).collect::<Vec<_>>());
+    assert_eq!(place.names("out/stand-tune"), expected);
     let v: serde_json::Value = serde_json::from_str(&text(&place, "out/stand-tune/report.json")).unwrap();
     let number =
         |path: &str| v.pointer(path).and_then(serde_json::Value::as_f64).unwrap_or_else(|| panic!("{path}"));
@@ -89,7 +88,7 @@ fn a_scene_is_tuned() {
 /// Killed half-way, on another number of threads, a search ends with the same bytes; another search in the same
 /// folder is refused.
 #[test]
-fn a_killed_search_goes_on() {
+fn slow_a_killed_search_goes_on() {
     let place = place();
     let args = ["--evaluations", "20", "--slices", "0", "--no-plots", "--start", "random"];
     let whole = tune(&place, &[&args[..], &["--out", "whole"]].concat());

@@ -48,6 +48,20 @@ pub(super) struct Lean {
     pub rate: Vec2,
 }
 
+/// Inputs of one control step.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct TrunkStep {
+    /// ξ, m.
+    pub caught: Vec2,
+    /// b, m.
+    pub beyond: Vec2,
+    /// m g, N.
+    pub weight: f64,
+    pub lean: Lean,
+    /// Length of the step, s.
+    pub dt: f64,
+}
+
 impl Hip {
     /// A trunk at rest; `state` is scratch.
     pub fn new(model: &Model, state: &mut State) -> Self {
@@ -65,21 +79,9 @@ impl Hip {
         self.inertia.map_or(Vec2::zeros(), |i| self.push.component_mul(&i))
     }
 
-    /// One step of `dt` seconds.
-    ///
-    /// `caught`: ξ, m. `beyond`: b, m. `inside` keeps a
-    /// pressure in the support. `weight`: N.
-    #[expect(clippy::too_many_arguments, reason = "a step's inputs, each used once")]
-    pub fn step(
-        &mut self,
-        s: &BalanceSettings,
-        caught: Vec2,
-        beyond: Vec2,
-        inside: impl Fn(Vec2) -> Vec2,
-        weight: f64,
-        Lean { lean, rate }: Lean,
-        dt: f64,
-    ) {
+    /// One control step; `inside` keeps a pressure in the support.
+    pub fn step(&mut self, s: &BalanceSettings, inside: impl Fn(Vec2) -> Vec2, now: &TrunkStep) {
+        let TrunkStep { caught, beyond, weight, lean: Lean { lean, rate }, dt } = *now;
         let Some(inertia) = self.inertia else { return };
         let w = s.hip_return_rad_s;
         let back = -lean * (w * w) - rate * (2.0 * w);
@@ -93,7 +95,7 @@ impl Hip {
         if speed > 0.0 {
             let way = rate / speed;
             let most = 1.0 / way.component_mul(&inertia).component_div(&most).norm();
-            // what is left of the stroke along the way: |lean + way x| = stroke
+            // x: stroke left in the direction of the lean rate, |lean + way x| = stroke
             let along = lean.dot(&way);
             let left =
                 (s.hip_stroke_rad.powi(2) - lean.norm_squared() + along * along).max(0.0).sqrt() - along;
@@ -116,7 +118,7 @@ pub(super) fn axis(lean: Vec2) -> Vec3 {
 mod tests {
     use super::*;
 
-    /// A trunk that does as it is told, and how it leans.
+    /// A trunk whose lean follows the commanded acceleration exactly, and its lean.
     fn hip() -> (Hip, Lean) {
         let inertia = Some(Vec2::new(4.0, 5.0));
         (Hip { spine: vec![1], push: Vec2::zeros(), inertia }, Lean::default())
@@ -140,7 +142,7 @@ mod tests {
                     for _ in 0..(seconds * rate_hz) as usize {
                         let caught = way * caught;
                         let beyond = caught - within(0.1)(caught);
-                        hip.step(&s, caught, beyond, within(0.1), 700.0, lean, dt);
+                        hip.step(&s, within(0.1), &TrunkStep { caught, beyond, weight: 700.0, lean, dt });
                         lean.rate += hip.push * dt;
                         lean.lean += lean.rate * dt;
                         most = most.max(lean.lean.dot(&way));
@@ -152,7 +154,7 @@ mod tests {
                 };
                 assert_eq!(run(0.099, 1.0), (0.0, 0.0));
                 let (most, _) = run(0.3, 1.0);
-                // driven with its whole moment to the end it overshoots: 1.24 strokes seen at 120 Hz
+                // it overshoots because the moment acts at full size up to the brake: 1.24 strokes seen at 120 Hz
                 let stroke = s.hip_stroke_rad;
                 assert!(most > 0.9 * stroke && most < 1.3 * stroke, "{way:?}, {rate_hz} Hz: {most}");
                 // 3e-3 rad seen after 12 s
@@ -167,10 +169,15 @@ mod tests {
     fn without_it_the_trunk_only_comes_back() {
         let s = BalanceSettings { hip: false, ..BalanceSettings::default() };
         let (mut hip, mut lean) = hip();
-        hip.step(&s, Vec2::x(), Vec2::x(), within(0.1), 700.0, lean, 0.01);
+        let pushed = TrunkStep { caught: Vec2::x(), beyond: Vec2::x(), weight: 700.0, lean, dt: 0.01 };
+        hip.step(&s, within(0.1), &pushed);
         assert_eq!(hip.push, Vec2::zeros());
         lean.lean = Vec2::x() * 0.3;
-        hip.step(&s, Vec2::zeros(), Vec2::zeros(), within(0.1), 700.0, lean, 0.01);
+        hip.step(
+            &s,
+            within(0.1),
+            &TrunkStep { caught: Vec2::zeros(), beyond: Vec2::zeros(), lean, ..pushed },
+        );
         assert!(hip.push.x < 0.0 && hip.push.y == 0.0, "{:?}", hip.push);
     }
 }

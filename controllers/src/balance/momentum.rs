@@ -10,15 +10,15 @@
 //! - v̇* leads every joint back to the pose asked for, critically damped.
 //! - The wrench has no moment about the vertical: a sole pressed at its edge turns about it.
 //! - A foot goes back to its place x_0 only as far as it is free of load (f from 0 to 1): friction holds the other.
-//! - Constraints are tasks of the same least squares of the weight [`FIRM`]: a stretched leg, whose knee could raise the body
-//!   only at an infinite rate, gives way by as little as there is to gain. The vertical force is a task of little weight,
-//!   so that straight legs may lower the body.
+//! - Constraints are tasks of the same least squares with the weight [`FIRM`], not exact: a stretched leg could raise the
+//!   body only at an infinite rate of its knee, and an exact constraint would ask for that. The vertical force has little
+//!   weight, so that straight legs may lower the body.
 //!
 //! What the solution asks of the ground is shared by the pressures of the soles' corners ([`pressed_wrenches`]): every
 //! foot's own centre lies inside its sole, and none pulls. Torques are those of inverse dynamics.
 //!
-//! Muscles are set so that they give these torques *where the body will be* at the end of the step, `v + v̇ dt` and
-//! `q ⊕ (v + v̇ dt) dt`: their stiffness and damping correct towards the motion foreseen instead of fighting it.
+//! Drives are set so that they give these torques at the state foreseen for the *end of the step*, `v + v̇ dt` and
+//! `q ⊕ (v + v̇ dt) dt`: their stiffness and damping then correct towards that motion; set at its start they would resist it.
 //!
 //! In: a state, a goal, what the ground shall give. Out: accelerations, drives. Symbols: `M` mass matrix, `c` bias, `J`
 //! Jacobian of a sole, `x` its place and turn, `ω_s` its natural frequency, `w` weights. World frame; `v̇` in the layout of [`motion::skeleton`].
@@ -35,11 +35,11 @@ use motion::support::Vec2;
 use motion::{Joint, Vec3};
 use nalgebra::{Cholesky, DMatrix, DVector};
 
-use crate::antagonist::SetPoints;
+use crate::reactive::ControlStep;
 use crate::support::{Foot, pressed_wrenches, shared_wrenches};
 use crate::{Drive, rest_of};
 
-/// Weight of what has to be, over a posture task of weight 1.
+/// Weight of constraints, over a posture task of weight 1.
 const FIRM: f64 = 1e4;
 /// Weight of the vertical force.
 const SOFT: f64 = 1.0;
@@ -47,9 +47,9 @@ const SOFT: f64 = 1.0;
 const PLACE: f64 = 1e-4;
 const POSTURE: f64 = 1.0;
 const ARM: f64 = 0.3;
-/// Weight of hips and ankles, which root and soles leave hardly a choice.
+/// Weight of hips and ankles, whose angles follow from the root and the soles almost entirely.
 const LEG: f64 = 1e-2;
-/// Length that makes moments and forces, turns and ways alike, m.
+/// Length by which moments are compared with forces, and turns with displacements, m.
 const LENGTH: f64 = 0.3;
 /// Natural frequencies of the way back of joints, of a sole, and of the height, rad/s.
 const JOINT_RAD_S: f64 = 6.0;
@@ -58,18 +58,28 @@ const HEIGHT_RAD_S: f64 = 4.0;
 /// A foot with this share of the load stays where friction holds it.
 const HELD: f64 = 0.1;
 
-/// What the ground shall give.
+/// The reaction of the ground that is asked for.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Wanted {
     /// Force, N; its vertical part where height and weight leave the choice.
     pub force: Vec3,
     /// Centre of pressure, m.
     pub pressure: Vec2,
-    /// Height of the ground, m.
-    pub floor: f64,
     /// How far the centre of mass is above what is asked, m, and how fast it rises, m/s.
     pub above: f64,
     pub rise: f64,
+}
+
+/// The feet on the ground.
+#[derive(Clone, Copy)]
+pub(super) struct Stance<'a> {
+    pub feet: &'a [Foot],
+    /// Where they stand, in the same order.
+    pub plants: &'a [Plant],
+    /// Height of the ground, m.
+    pub floor: f64,
+    /// Whether each foot keeps the same share of the load.
+    pub even_load: bool,
 }
 
 /// Memory of the momentum control. See the module header.
@@ -132,22 +142,14 @@ impl WholeBody {
         }
     }
 
-    /// Finds v̇; `state` is at (`q`, `v`).
-    pub fn solve(
-        &mut self,
-        model: &Model,
-        state: &mut State,
-        (feet, plants): (&[Foot], &[Plant]),
-        wanted: &Wanted,
-        (q, v): (&[f64], &[f64]),
-        (goal_q, goal_v): (&[f64], &[f64]),
-    ) {
+    /// Finds v̇; `state` is at the pose and velocity of `step`.
+    pub fn solve(&mut self, state: &mut State, step: &ControlStep<'_>, stance: &Stance<'_>, wanted: &Wanted) {
         self.hessian.fill(0.0);
         self.gradient.fill(0.0);
-        self.posture(model, (q, v), (goal_q, goal_v));
-        self.momentum(model, state, wanted, v);
-        self.soles(model, state, feet, plants, v);
-        // posture tasks alone make it positive definite; a pivot below is rounding
+        self.posture(step);
+        self.momentum(state, step, stance.floor, wanted);
+        self.soles(state, step, stance);
+        // the posture tasks make the matrix positive definite; a smaller pivot is a rounding error
         let hessian = std::mem::take(&mut self.hessian);
         let factor = Cholesky::new_with_substitute(hessian, f64::MIN_POSITIVE).expect("a pivot of its own");
         factor.solve_mut(&mut self.gradient);
@@ -159,7 +161,8 @@ impl WholeBody {
     }
 
     /// Every joint back to the pose asked for.
-    fn posture(&mut self, model: &Model, (q, v): (&[f64], &[f64]), (goal_q, goal_v): (&[f64], &[f64])) {
+    fn posture(&mut self, step: &ControlStep<'_>) {
+        let ControlStep { model, q, v, goal_q, goal_v, .. } = *step;
         let mut c = 0;
         for &(body, weight) in &self.parts {
             let b = &model.bodies[body];
@@ -187,12 +190,13 @@ impl WholeBody {
         }
     }
 
-    /// The rate of momentum: the wrench that the ground has to give, about the centre of pressure.
-    fn momentum(&mut self, model: &Model, state: &mut State, wanted: &Wanted, v: &[f64]) {
+    /// The rate of momentum: the wrench of the ground about the centre of pressure, on ground of the height `floor`, m.
+    fn momentum(&mut self, state: &mut State, step: &ControlStep<'_>, floor: f64, wanted: &Wanted) {
+        let model = step.model;
         state.mass_matrix(model, &mut self.mass);
-        state.bias(model, v, &mut self.bias);
+        state.bias(model, step.v, &mut self.bias);
         let zero = state.bodies[0].zero;
-        let arm = state.bodies[0].origin() - Vec3::new(wanted.pressure.x, wanted.floor, wanted.pressure.y);
+        let arm = state.bodies[0].origin() - Vec3::new(wanted.pressure.x, floor, wanted.pressure.y);
         let world = |x: &[f64]| {
             let force = zero * vec_at(x, 0);
             (force, zero * vec_at(x, 3) + arm.cross(&force))
@@ -214,11 +218,12 @@ impl WholeBody {
     }
 
     /// Soles stay where they were planted.
-    fn soles(&mut self, model: &Model, state: &mut State, feet: &[Foot], plants: &[Plant], v: &[f64]) {
+    fn soles(&mut self, state: &mut State, step: &ControlStep<'_>, stance: &Stance<'_>) {
+        let model = step.model;
         let drift = &mut self.drift;
         drift.clear();
-        state.drifts(model, v, |_, linear, angular| drift.push((linear, angular)));
-        for (f, (foot, plant)) in feet.iter().zip(plants).enumerate() {
+        state.drifts(model, step.v, |_, linear, angular| drift.push((linear, angular)));
+        for (f, (foot, plant)) in stance.feet.iter().zip(stance.plants).enumerate() {
             let free = (1.0 - self.shares[f] / HELD).clamp(0.0, 1.0);
             let (back, damp) = (SOLE_RAD_S * SOLE_RAD_S * free, 2.0 * SOLE_RAD_S);
             let body = foot.body;
@@ -254,28 +259,26 @@ impl WholeBody {
         }
     }
 
-    /// Drives that give v̇ over a step of `dt` seconds, blended into `drives` by `level`; stiffness and damping stay. `state` is
-    /// at (`q`, `v`), `floor` the height of the ground, m. `even`: each foot keeps its part of the load.
-    #[expect(clippy::too_many_arguments, reason = "a step's inputs, each used once")]
+    /// Rests of the drives that give v̇ over the step, blended into `drives` by `level`; stiffness and damping stay. `state`
+    /// is at the pose and velocity of `step`.
     pub fn drive(
         &mut self,
-        model: &Model,
         state: &mut State,
-        (feet, floor, even): (&[Foot], f64, bool),
-        set_points: &[SetPoints],
-        (q, v): (&[f64], &[f64]),
-        dt: f64,
+        step: &ControlStep<'_>,
+        stance: &Stance<'_>,
         level: f64,
         drives: &mut [Drive],
     ) {
+        let ControlStep { model, q, v, dt, .. } = *step;
+        let feet = stance.feet;
         state.inverse_dynamics(model, v, &self.accel, &[], &mut self.tau);
         let zero = state.bodies[0].zero;
         let force = zero * vec_at(&self.tau, 0);
-        let arm = state.bodies[0].origin() - Vec3::y() * floor;
+        let arm = state.bodies[0].origin() - Vec3::y() * stance.floor;
         let moment = zero * vec_at(&self.tau, 3) + arm.cross(&force);
         if force.y > 0.0 {
             let at = Vec2::new(moment.z, -moment.x) / force.y;
-            let (shares, mut loads) = if even {
+            let (shares, mut loads) = if stance.even_load {
                 let centers: Vec<Vec3> = feet.iter().map(|f| f.center(model, state)).collect();
                 let shares = vec![1.0 / feet.len() as f64; feet.len()];
                 let loads = shared_wrenches(feet, &centers, &shares, at, force);
@@ -298,7 +301,7 @@ impl WholeBody {
             let load = -joint_force(&b.joint, &self.tau, b.v_at)
                 - joint_force(&b.joint, &self.later_v, b.v_at) * drive.damping;
             let target = rest_of(model, body, &self.later_q);
-            let rest = set_points[body].rest(&target, load, drive.stiffness);
+            let rest = step.set_points[body].rest(&target, load, drive.stiffness);
             drive.rest = drive.rest.blend(&rest, level);
         }
     }
@@ -308,7 +311,7 @@ impl WholeBody {
 mod tests {
     use std::sync::Arc;
 
-    use dynamics::Character;
+    use bodies::Character;
     use motion::support::ground;
 
     use super::*;
@@ -323,7 +326,7 @@ mod tests {
     }
 
     fn standing() -> Standing {
-        let character = Arc::new(dynamics::anthropometry::human::human().0);
+        let character = Arc::new(bodies::anthropometry::human::human().0);
         let model = Model::new(&character, Vec3::new(0.0, -9.81, 0.0));
         let feet = Foot::of(&character, &model);
         let plants =
@@ -346,11 +349,26 @@ mod tests {
         let floor = feet[0].center(&model, &state).y;
         let com = state.com(&model);
         let weight = model.mass * 9.81;
+        let step = ControlStep {
+            model: &model,
+            set_points: &[],
+            impedances: &[],
+            q: rest,
+            v: &still,
+            contacts: &[],
+            goal_q: rest,
+            goal_v: &still,
+            lift: 0.0,
+            feed: None,
+            time_s: 0.0,
+            dt: 1.0 / 240.0,
+        };
+        let stance = Stance { feet: &feet, plants: &plants, floor, even_load: false };
         for (x, z) in [(0.0, 0.0), (0.12, 0.0), (-0.12, 0.08), (0.05, -0.06)] {
             let pressure = ground(&com) + Vec2::new(x, z);
             let force = Vec3::new(-0.8 * x * weight, weight, -0.8 * z * weight);
-            let wanted = Wanted { force, pressure, floor, above: 0.0, rise: 0.0 };
-            body.solve(&model, &mut state, (&feet, &plants), &wanted, (rest, &still), (rest, &still));
+            let wanted = Wanted { force, pressure, above: 0.0, rise: 0.0 };
+            body.solve(&mut state, &step, &stance, &wanted);
             let mut tau = still.clone();
             state.inverse_dynamics(&model, &still, &body.accel, &[], &mut tau);
             let root = vec_at(&tau, 0);

@@ -1,5 +1,7 @@
 //! Parameters of the balance property: units, defaults, directions, consequences.
 
+use motion::names::Word;
+
 /// One of the strategies that can be switched off by itself.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Strategy {
@@ -11,22 +13,13 @@ pub enum Strategy {
     Weight,
 }
 
-/// A text that names no [`Strategy`].
-#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-#[error("`{0}` is no strategy of balance; allowed: ankle, hip, weight")]
-pub struct StrategyError(String);
-
-impl std::str::FromStr for Strategy {
-    type Err = StrategyError;
-
-    fn from_str(text: &str) -> Result<Self, StrategyError> {
-        match text {
-            "ankle" => Ok(Self::Ankle),
-            "hip" => Ok(Self::Hip),
-            "weight" => Ok(Self::Weight),
-            _ => Err(StrategyError(text.into())),
-        }
-    }
+impl Word for Strategy {
+    const KIND: &'static str = "strategy of balance";
+    const WORDS: &'static [(Self, &'static str, &'static str)] = &[
+        (Self::Ankle, "ankle", "Pressure moves under the feet"),
+        (Self::Hip, "hip", "The trunk leans"),
+        (Self::Weight, "weight", "Weight moves between the feet"),
+    ];
 }
 
 /// Parameters of the balance property.

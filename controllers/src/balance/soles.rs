@@ -1,8 +1,8 @@
-//! What the soles feel: how the ground lies under the feet, where it is not as the feet were planted.
+//! Estimate of the ground under the feet, from soles that lie flat: how far it has turned since the feet were planted.
 //!
-//! A foot that presses with most of its sole lies flat, and what it lies on is the ground: its turn against how it was
-//! planted is the ground's. A foot on an edge says nothing, so that tipping is still a foot to be put down. What turns by
-//! less than [`LEVEL`] is how contacts yield, not the ground.
+//! A foot that presses with most of its sole lies flat on the ground, so its turn since it was planted is the ground's. A
+//! foot on an edge does not count: it tips, and its plant must stay where it was so that the foot is put down again. Turns
+//! below [`LEVEL`] are those of yielding contacts, not of the ground.
 //!
 //! In: contacts of the last step, the state. Out: where the feet stand now. World frame.
 
@@ -14,7 +14,7 @@ use motion::{Quat, Transform, Vec3};
 
 use crate::support::Foot;
 
-/// A ground that feels turned by less is as the feet were planted, rad (0.3°).
+/// Ground turned by less counts as unturned, rad (0.3°).
 const LEVEL: f64 = 0.3 * std::f64::consts::PI / 180.0;
 /// Part of a sole's area within the points that press from which on the foot lies flat.
 const FLAT: f64 = 0.5;
@@ -35,7 +35,7 @@ pub(super) struct Soles {
 impl Soles {
     pub fn new(feet: &[Foot], plants: &[Plant]) -> Self {
         let home = |(foot, plant): (&Foot, &Plant)| {
-            let own = foot.corners.iter().filter(|(link, _)| *link == plant.limb.end);
+            let own = foot.sole.corners.iter().filter(|(link, _)| *link == plant.limb.end);
             let (sum, n) = own.fold((Vec3::zeros(), 0.0), |(sum, n), (_, at)| (sum + at, n + 1.0));
             let middle = plant.world_from_end * nalgebra::Point3::from(sum / f64::max(n, 1.0));
             (plant.clone(), middle.coords)
@@ -44,10 +44,16 @@ impl Soles {
         Self { flat: vec![false; homes.len()], homes, turn: Vec3::zeros(), rise: 0.0 }
     }
 
-    /// Takes in what pressed in the last step; `state` is of the pose at its end.
-    pub fn feel(&mut self, feet: &[Foot], model: &Model, state: &State, touching: &[ContactSample]) {
+    /// Updates the estimate from the contacts of the last step; `state` is of the pose at its end.
+    pub fn observe_contacts(
+        &mut self,
+        feet: &[Foot],
+        model: &Model,
+        state: &State,
+        contacts: &[ContactSample],
+    ) {
         let lies_flat = |foot: &Foot| {
-            let pressing = touching.iter().filter(|c| model.body_of[c.link].0 == foot.body);
+            let pressing = contacts.iter().filter(|c| model.body_of[c.link].0 == foot.body);
             let pressed: Vec<Vec3> = pressing.map(|c| c.point).collect();
             let sole = Support::of(foot.corners_in_world(model, state).iter()).area();
             Support::of(pressed.iter()).area() > FLAT * sole
@@ -112,10 +118,10 @@ fn foot_pose(foot: &Foot, model: &Model, state: &State) -> Transform {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use dynamics::anthropometry::human::human;
+    use bodies::anthropometry::human::human;
 
-    /// Feet that lie flat on ground turned under them are where that ground carries them; feet on their toes, and feet
-    /// that hardly turned, stay where they were planted.
+    /// Plants of feet that lie flat follow the turned ground; those of feet on their toes, and of feet that hardly turned,
+    /// stay.
     #[test]
     fn flat_feet_tell_of_the_ground() {
         let (c, _) = human();
@@ -126,7 +132,7 @@ mod tests {
         let mut state = State::new(&model);
         for (angle, on_toes, follows) in [(5.0, false, true), (5.0, true, false), (0.2, false, false)] {
             let turn = exp(&(Vec3::new(0.8, 0.0, -0.6) * f64::to_radians(angle)));
-            // the whole body turned about the point under the origin is how the feet stand on the turned ground
+            // a body turned as a whole about the point under the origin stands on ground turned likewise
             let mut q = c.rest.clone();
             let p = turn * c.skeleton.position(&q, 0);
             c.skeleton.set_position(&mut q, 0, &p);
@@ -148,7 +154,7 @@ mod tests {
             }
             let mut soles = Soles::new(&feet, &plants);
             let mut found = plants.clone();
-            soles.feel(&feet, &model, &state, &touching);
+            soles.observe_contacts(&feet, &model, &state, &touching);
             soles.plants(&mut found);
             for ((foot, plant), found) in feet.iter().zip(&plants).zip(&found) {
                 if !follows {

@@ -1,4 +1,7 @@
-//! What wakes the answers to pushes.
+//! When the answer to pushes acts.
+//!
+//! A push shows in the speed of the capture point's error at once, ξ̇ = F/(m ω₀), and in the error itself only later. The
+//! level rises with that speed at once and decays when the error is gone.
 //!
 //! In: an error of the capture point. Out: a level, the speed of the error. The ground plane, (x, z), m.
 
@@ -7,33 +10,32 @@ use motion::support::Vec2;
 
 use super::BalanceSettings;
 
-/// How much of the answer to pushes acts: a push tells itself from the motion asked for by how fast the capture
-/// point runs off, ξ̇ = F/(m ω₀), long before by how far.
+/// How much of the answer to pushes acts. See the module header.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Wake {
-    /// Error of the capture point, m, followed with the time constant [`SUDDEN`]; `None` before the first step.
+    /// Error of the capture point, m, low-pass filtered with the time constant [`SPEED_S`]; `None` before the first step.
     followed: Option<Vec2>,
     level: f64,
     /// Speed of the error, m/s.
     pub speed: Vec2,
 }
 
-/// Time over which the speed of the capture point is taken, s.
-const SUDDEN: f64 = 0.02;
-/// Time constant with which it falls asleep, s.
-const CALM: f64 = 0.3;
+/// Time constant of the filter from which the speed of the error is taken, s.
+const SPEED_S: f64 = 0.02;
+/// Time constant with which the level decays, s.
+const DECAY_S: f64 = 0.3;
 
 impl Wake {
     /// Level in 0 to 1 after a step of `dt` with the error `x` of the capture point, m.
     pub fn update(&mut self, s: &BalanceSettings, x: Vec2, dt: f64) -> f64 {
         let followed = self.followed.get_or_insert(x);
-        // in the steady state of a ramp this is its slope, at any step
-        let gain = 1.0 - (-dt / SUDDEN).exp();
+        // for a ramp in the steady state this is its slope, whatever the step
+        let gain = 1.0 - (-dt / SPEED_S).exp();
         let speed = (x - *followed) * (gain / dt);
         self.speed = speed;
         *followed += (x - *followed) * gain;
         if x.norm() < s.wake_rest_m {
-            self.level *= (-dt / CALM).exp();
+            self.level *= (-dt / DECAY_S).exp();
             if self.level < 1e-3 {
                 self.level = 0.0;
             }
@@ -62,8 +64,8 @@ mod tests {
         (wake, level)
     }
 
-    /// What runs off slowly never wakes it, however far; what runs off fast does within 50 ms, at any rate; and it
-    /// sleeps again once the error is gone.
+    /// A slow error leaves the level at 0, however large it gets; a fast one raises it to 1 within 50 ms, at any control
+    /// rate; the level decays once the error is gone.
     #[test]
     fn it_wakes_for_what_is_sudden() {
         let s = BalanceSettings::default();

@@ -1,11 +1,11 @@
-//! What a plane ground can give of a required wrench, and how the soles share it.
+//! The part of a required wrench that a plane floor can give, and how the soles share it.
 //!
 //! In: corners of the soles, their heights and speeds, a required wrench. Out: an admissible wrench per
-//! foot. No memory: every frame by itself. The ground is the plane y = `h`; a treadmill's moves.
+//! foot. Every frame is computed by itself. The floor is the plane y = `h`; that of a treadmill moves.
 //!
 //! *Contact.* A corner at height z above the ground and with speed u touches by
 //! `α = s(z/height) · s(u/speed)`, where s falls from 1 at ½ to 0 at 1 (cubic); of these the foot's
-//! contact is made. Soft, so that forces come and go without jumps.
+//! contact is made. The fall is gradual, so that forces begin and end without jumps.
 //!
 //! *Force.* Only pressing, the tangential part at most μ f_n.
 //!
@@ -22,11 +22,11 @@
 //! surface).
 
 use motion::support::ground as plane;
-use motion::{Clip, LimbKind, Support, Vec3, smoothstep};
+use motion::{Clip, Floor, Sole, Support, Vec3, smoothstep};
 use nalgebra::Matrix3;
 
 use super::AnalysisOptions;
-use crate::{Character, Model, State, Wrench};
+use crate::{Model, State, Wrench};
 
 /// Distance outside the support polygon that counts as a violation, m.
 pub const COP_SLACK: f64 = 1e-3;
@@ -36,9 +36,9 @@ pub const LEAST_LOAD: f64 = 0.1;
 /// Least touch α of a corner.
 const LEAST_TOUCH: f64 = 1e-3;
 
-/// Where the ground is.
+/// How the floor of an analysis is chosen.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub enum Ground {
+pub enum FloorChoice {
     /// There is none: the whole required wrench is residual.
     None,
     /// A horizontal plane at this height, m.
@@ -78,7 +78,8 @@ pub struct Violations {
 }
 
 impl Violations {
-    pub(super) fn note(&mut self, frame: usize, value: f64, limit: f64) {
+    /// Adds a frame whose value is beyond the limit.
+    pub(super) fn record(&mut self, frame: usize, value: f64, limit: f64) {
         if value > limit {
             self.frames.push(frame);
             if value > self.worst {
@@ -88,46 +89,9 @@ impl Violations {
     }
 }
 
-/// Contact points of one body.
-pub(super) struct Sole {
-    pub name: String,
-    pub link: usize,
-    /// Link and point in that link's frame, m.
-    corners: Vec<(usize, Vec3)>,
-}
-
-/// All soles of a character.
-pub(super) struct Soles {
-    pub feet: Vec<Sole>,
-}
-
-impl Soles {
-    /// The contact points, grouped by the body that carries them; legs give their names.
-    pub fn of(character: &Character, model: &Model) -> Self {
-        let skeleton = &character.skeleton;
-        let mut feet: Vec<Sole> = Vec::new();
-        let mut bodies: Vec<usize> = Vec::new();
-        for &c in &character.contacts {
-            let site = &skeleton.sites()[c];
-            let body = model.body_of[site.link].0;
-            let corner = (site.link, site.at);
-            if let Some(i) = bodies.iter().position(|b| *b == body) {
-                feet[i].corners.push(corner);
-                continue;
-            }
-            let leg =
-                skeleton.limbs().iter().find(|l| l.kind == LimbKind::Leg && model.body_of[l.end].0 == body);
-            let link = leg.map_or(site.link, |l| l.end);
-            let name = leg.map_or(&skeleton.links()[link].name, |l| &l.name).clone();
-            bodies.push(body);
-            feet.push(Sole { name, link, corners: vec![corner] });
-        }
-        Self { feet }
-    }
-
-    fn corners(&self) -> impl Iterator<Item = &(usize, Vec3)> {
-        self.feet.iter().flat_map(|f| &f.corners)
-    }
+/// Corners of all soles.
+fn corners(soles: &[Sole]) -> impl Iterator<Item = &(usize, Vec3)> {
+    soles.iter().flat_map(|s| &s.corners)
 }
 
 /// One foot in one frame; fields as in [`super::FootForces`].
@@ -142,7 +106,7 @@ pub(super) struct FootNow {
     pub free_moment: f64,
 }
 
-/// Memory of [`Floor::give`], and the feet it has loaded.
+/// Memory of [`FloorReaction::admissible`], and the feet it has loaded.
 pub(super) struct Scratch {
     pub feet: Vec<FootNow>,
     touch: Vec<f64>,
@@ -151,10 +115,10 @@ pub(super) struct Scratch {
 }
 
 impl Scratch {
-    pub fn new(soles: &Soles) -> Self {
-        let corners = soles.corners().count();
-        let foot = |f: &Sole| FootNow {
-            link: f.link,
+    pub fn new(soles: &[Sole]) -> Self {
+        let corners = corners(soles).count();
+        let foot = |sole: &Sole| FootNow {
+            link: sole.link,
             contact: false,
             height: f64::NAN,
             share: 0.0,
@@ -163,7 +127,7 @@ impl Scratch {
             free_moment: 0.0,
         };
         Self {
-            feet: soles.feet.iter().map(foot).collect(),
+            feet: soles.iter().map(foot).collect(),
             touch: vec![0.0; corners],
             at: vec![Vec3::zeros(); corners],
             share: vec![0.0; corners],
@@ -181,8 +145,8 @@ impl Scratch {
     }
 }
 
-/// What the ground gives in one frame.
-pub(super) struct Given {
+/// The admissible reaction of the floor in one frame.
+pub(super) struct Admissible {
     pub force: Vec3,
     pub moment_com: Vec3,
     /// Required centre of pressure, NaN without one.
@@ -195,54 +159,60 @@ pub(super) struct Given {
     pub outside: f64,
 }
 
-/// The ground of a clip.
-pub(super) struct Floor {
-    pub height: Option<f64>,
-    friction: f64,
+/// What the floor under a clip can give. See the module header.
+pub(super) struct FloorReaction {
+    /// Level; `None` without one.
+    pub floor: Option<Floor>,
     contact: Contact,
+    /// Least vertical force that has a centre of pressure, N.
     least_load: f64,
 }
 
-impl Floor {
-    /// Finds the ground; `v` is `frames × nv`.
+impl FloorReaction {
+    /// Finds the floor; `v` is `frames × nv`.
     pub fn new(
         model: &Model,
         state: &mut State,
-        soles: &Soles,
+        soles: &[Sole],
         clip: &Clip,
         v: &[f64],
         options: &AnalysisOptions,
     ) -> Self {
         let height = match options.ground {
-            Ground::None => None,
-            Ground::At(height) => Some(height),
-            Ground::Detect => detect(model, state, soles, clip, v, &options.contact),
+            FloorChoice::None => None,
+            FloorChoice::At(height) => Some(height),
+            FloorChoice::Detect => detect(model, state, soles, clip, v, &options.contact),
         };
         let least_load = LEAST_LOAD * model.mass * options.gravity.norm();
-        Self { height, friction: options.friction, contact: options.contact, least_load }
+        let floor = height.map(|height_m| Floor::level(height_m, options.friction));
+        Self { floor, contact: options.contact, least_load }
     }
 
-    /// What the ground gives of a required wrench, with `state` at the frame's pose and velocity; loads
-    /// the feet of the scratch.
+    /// The part of a required wrench that the floor can give, with `state` at the frame's pose and velocity; loads the feet
+    /// of the scratch.
+    ///
+    /// * `com`: centre of mass, world, m
+    /// * `force`: required of the ground, N
+    /// * `moment_com`: required about the centre of mass, N·m
     #[allow(clippy::too_many_arguments)]
-    pub fn give(
+    pub fn admissible(
         &self,
         model: &Model,
         state: &State,
-        soles: &Soles,
+        soles: &[Sole],
         s: &mut Scratch,
         com: Vec3,
         force: Vec3,
         moment_com: Vec3,
-    ) -> Given {
+    ) -> Admissible {
         let none = Vec3::zeros();
         let nowhere = Vec3::repeat(f64::NAN);
         let mut out =
-            Given { force: none, moment_com: none, cop: nowhere, flight: true, cone: 0.0, outside: 0.0 };
+            Admissible { force: none, moment_com: none, cop: nowhere, flight: true, cone: 0.0, outside: 0.0 };
         for foot in &mut s.feet {
             (foot.share, foot.force, foot.cop, foot.free_moment) = (0.0, none, nowhere, 0.0);
         }
-        let Some(height) = self.height else { return out };
+        let Some(Floor { height_m: height, friction, .. }) = self.floor else { return out };
         self.touch(model, state, soles, s, height);
         out.flight = !s.feet.iter().any(|f| f.contact);
 
@@ -258,7 +228,7 @@ impl Floor {
             out.cone = f64::INFINITY;
             return out;
         }
-        out.cone = tangential.norm() / (self.friction * normal);
+        out.cone = tangential.norm() / (friction * normal);
         let touching = s.touch.iter().zip(&s.at).filter(|(a, _)| **a > 0.0).map(|(_, p)| p);
         let support = Support::of(touching);
         // a force too small for a centre of pressure acts in the middle
@@ -271,7 +241,7 @@ impl Floor {
 
         out.force = Vec3::y() * normal + tangential / out.cone.max(1.0);
         let spread: f64 = s.share.iter().zip(&s.at).map(|(w, p)| w * (p - center).norm()).sum();
-        let slip = (self.friction * normal).powi(2) - out.force.x.powi(2) - out.force.z.powi(2);
+        let slip = (friction * normal).powi(2) - out.force.x.powi(2) - out.force.z.powi(2);
         let most = spread * slip.max(0.0).sqrt();
         let arm = center - com;
         let about = moment_com - arm.cross(&out.force);
@@ -279,7 +249,7 @@ impl Floor {
         out.moment_com = arm.cross(&out.force) + Vec3::y() * twist;
 
         let mut first = 0;
-        for (sole, foot) in soles.feet.iter().zip(&mut s.feet) {
+        for (sole, foot) in soles.iter().zip(&mut s.feet) {
             let corners = first..first + sole.corners.len();
             first = corners.end;
             let share: f64 = s.share[corners.clone()].iter().sum();
@@ -295,9 +265,9 @@ impl Floor {
     }
 
     /// Places of the corners on the ground and their touch α.
-    fn touch(&self, model: &Model, state: &State, soles: &Soles, s: &mut Scratch, height: f64) {
+    fn touch(&self, model: &Model, state: &State, soles: &[Sole], s: &mut Scratch, height: f64) {
         let mut j = 0;
-        for (sole, foot) in soles.feet.iter().zip(&mut s.feet) {
+        for (sole, foot) in soles.iter().zip(&mut s.feet) {
             foot.contact = false;
             foot.height = f64::INFINITY;
             for (link, at) in &sole.corners {
@@ -382,11 +352,11 @@ pub fn pressures(at: &[Vec3], touch: &[f64], aim: Vec3, share: &mut [f64]) -> Ve
     center
 }
 
-/// Height of the ground under a clip; see [`Ground::Detect`]. `None` without corners.
+/// Height of the ground under a clip; see [`FloorChoice::Detect`]. `None` without corners.
 fn detect(
     model: &Model,
     state: &mut State,
-    soles: &Soles,
+    soles: &[Sole],
     clip: &Clip,
     v: &[f64],
     contact: &Contact,
@@ -396,8 +366,7 @@ fn detect(
     let (mut slow, mut all) = (Vec::new(), f64::INFINITY);
     for k in (0..clip.frames()).step_by(step) {
         state.update(model, clip.pose(k), &v[k * model.nv()..(k + 1) * model.nv()]);
-        let lowest = soles
-            .corners()
+        let lowest = corners(soles)
             .map(|(link, at)| (state.point(model, *link, at).y, *link, *at))
             .min_by(|a, b| a.0.total_cmp(&b.0))?;
         all = all.min(lowest.0);

@@ -20,20 +20,25 @@
 pub mod grade;
 pub mod ground;
 pub mod noise;
+mod trace;
 
+use motion::floor::FRICTION;
 use motion::rotation::{Vec3, log};
 use motion::skeleton::vec_at;
 use motion::smooth::{SmoothReport, Smoothed, Smoothing, Strength, smooth_at};
 use motion::{Clip, Joint};
 use thiserror::Error;
 
-use crate::{Character, Model, PoseMap, PoseMapError, State, Wrench};
+use crate::conditions::GRAVITY;
+use crate::{Model, State, Wrench};
+use bodies::{Character, PoseMap, PoseMapError};
 
 pub use grade::{Grade, Residual};
-pub use ground::{Contact, Ground, Violations, pressures};
+pub use ground::{Contact, FloorChoice, Violations, pressures};
 pub use noise::NoiseFloor;
+pub use trace::trace_of;
 
-use ground::{Floor, Soles};
+use ground::FloorReaction;
 
 /// Default of [`AnalysisOptions::soft_tissue`], m/√Hz: 1 mm RMS in the 50 Hz of a 100 Hz recording.
 ///
@@ -59,8 +64,8 @@ pub struct AnalysisOptions {
     pub soft_tissue: f64,
     /// Gravity, world, m/s².
     pub gravity: Vec3,
-    /// Where the ground is.
-    pub ground: Ground,
+    /// How the floor is chosen.
+    pub ground: FloorChoice,
     /// Coefficient of friction, ≥ 0.
     pub friction: f64,
     /// When a point of a sole touches the ground.
@@ -72,9 +77,9 @@ impl Default for AnalysisOptions {
         Self {
             smoothing: Smoothing::Auto,
             soft_tissue: SOFT_TISSUE,
-            gravity: Vec3::new(0.0, -9.81, 0.0),
-            ground: Ground::Detect,
-            friction: 0.8,
+            gravity: GRAVITY,
+            ground: FloorChoice::Detect,
+            friction: FRICTION,
             contact: Contact::default(),
         }
     }
@@ -225,7 +230,7 @@ impl Analysis {
     /// Names of the columns of `v`, `vd` and `tau`: the link's name, with `.tx`, `.rx` and the like where
     /// a joint has several degrees of freedom.
     pub fn dof_names(&self) -> Vec<String> {
-        crate::trace_npz::dof_names(&self.clip.skeleton)
+        self.clip.skeleton.dof_names()
     }
 }
 
@@ -267,9 +272,9 @@ pub fn analyze(
     let smoothed = smooth_at(&clip, strength);
     let noise = NoiseFloor::of(&model, &mut state, &smoothed);
     let Smoothed { clip, derivatives, report, .. } = smoothed;
-    let soles = Soles::of(character, &model);
+    let soles = character.soles();
     let (v, vd) = (derivatives.v, derivatives.vd);
-    let floor = Floor::new(&model, &mut state, &soles, &clip, &v, options);
+    let reaction = FloorReaction::new(&model, &mut state, &soles, &clip, &v, options);
     let (frames, nv) = (clip.frames(), model.nv());
 
     let table = |columns: usize| Vec::with_capacity(frames * columns);
@@ -279,7 +284,7 @@ pub fn analyze(
         gravity: options.gravity,
         mass: model.mass,
         friction: options.friction,
-        ground_m: floor.height,
+        ground_m: reaction.floor.map(|f| f.height_m),
         tau: vec![0.0; frames * nv],
         required_force: table(3),
         required_moment_com: table(3),
@@ -291,7 +296,7 @@ pub fn analyze(
         com_velocity: table(3),
         angular_momentum: table(3),
         cop: table(3),
-        feet: soles.feet.iter().map(|f| FootForces::new(&f.name, f.link, frames)).collect(),
+        feet: soles.iter().map(|f| FootForces::new(&f.name, f.link, frames)).collect(),
         flight: Vec::with_capacity(frames),
         friction_violations: Violations::default(),
         support_violations: Violations::default(),
@@ -301,7 +306,7 @@ pub fn analyze(
         v,
         vd,
     };
-    let mut wrenches: Vec<Wrench> = Vec::with_capacity(soles.feet.len());
+    let mut wrenches: Vec<Wrench> = Vec::with_capacity(soles.len());
     let mut scratch = ground::Scratch::new(&soles);
     for k in 0..frames {
         let row = k * nv..(k + 1) * nv;
@@ -313,7 +318,8 @@ pub fn analyze(
         let to_com = momentum.com - state.bodies[0].origin();
         let moment_root = moment_com + to_com.cross(&force);
 
-        let given = floor.give(&model, &state, &soles, &mut scratch, momentum.com, force, moment_com);
+        let given =
+            reaction.admissible(&model, &state, &soles, &mut scratch, momentum.com, force, moment_com);
         wrenches.clear();
         wrenches.extend(scratch.wrenches());
         state.inverse_dynamics(&model, v, vd, &wrenches, &mut a.tau[row]);
@@ -335,8 +341,8 @@ pub fn analyze(
         for (foot, now) in a.feet.iter_mut().zip(&scratch.feet) {
             foot.push(now);
         }
-        a.friction_violations.note(k, given.cone, 1.0);
-        a.support_violations.note(k, given.outside, ground::COP_SLACK);
+        a.friction_violations.record(k, given.cone, 1.0);
+        a.support_violations.record(k, given.outside, ground::COP_SLACK);
     }
     a.graded = Residual::of(&a.residual);
     Ok(a)
@@ -413,7 +419,7 @@ fn check(clip: &Clip, options: &AnalysisOptions) -> Result<(), AnalysisError> {
         if ok { Ok(()) } else { Err(AnalysisError::Option { name, value, allowed }) }
     };
     options.gravity.iter().try_for_each(|g| finite("gravity", *g))?;
-    if let Ground::At(height) = options.ground {
+    if let FloorChoice::At(height) = options.ground {
         finite("the height of the ground", height)?;
     }
     if let Smoothing::CutoffHz(hz) = options.smoothing {

@@ -1,10 +1,10 @@
 //! Reader of `forceplate-trial/1` files: bodies, poses, measured forces and reference series.
 
-use std::path::Path;
 use std::sync::Arc;
 
+use bodies::{Body, Character, JointClass};
 use dynamics::analysis::{Contact, SOFT_TISSUE};
-use dynamics::{Analysis, AnalysisOptions, Body, Character, Ground, JointClass, analyze};
+use dynamics::{Analysis, AnalysisOptions, FloorChoice, analyze};
 use motion::smooth::Smoothing;
 use motion::{Clip, Joint, Link, Site, Skeleton, Vec3};
 use nalgebra::Matrix3;
@@ -47,8 +47,7 @@ pub struct Reference {
 impl Trial {
     /// Reads a file of `shared/forceplate`.
     pub fn load(name: &str) -> Self {
-        let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../shared/forceplate");
-        let path = folder.join(format!("{name}.json"));
+        let path = support::shared(&format!("forceplate/{name}.json"));
         let text = std::fs::read(&path).unwrap_or_else(|e| panic!("{}: {e}", path.display()));
         let json: Value = serde_json::from_slice(&text).unwrap();
         assert_eq!(json["schema"], "forceplate-trial/1");
@@ -89,8 +88,13 @@ impl Trial {
     /// The same with another least density of noise, m/√Hz.
     pub fn analysis_assuming(&self, poses: Poses, smoothing: Smoothing, soft_tissue: f64) -> Analysis {
         let gravity = self.gravity;
-        let options =
-            AnalysisOptions { smoothing, soft_tissue, gravity, ground: Ground::None, ..Default::default() };
+        let options = AnalysisOptions {
+            smoothing,
+            soft_tissue,
+            gravity,
+            ground: FloorChoice::None,
+            ..Default::default()
+        };
         analyze(&self.character, &self.clip(poses), &options).unwrap()
     }
 

@@ -1,6 +1,6 @@
 //! Amplitude scales ranges by the formulas of the module, within limits.
 
-use edits::{Amplitude, Edit, EditError, EditLog, Parameter, Selector};
+use edits::{Amplitude, EditError, EditLog, Parameter, Selector, TrackEdit};
 use motion::{Tracks, Value};
 
 use crate::body::{

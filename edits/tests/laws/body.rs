@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
-use edits::{Edit, EditLog, Selector};
+use edits::{EditLog, Selector, TrackEdit};
 use motion::rotation::exp;
 use motion::script::{Action, Cycle, Insert, Pose, PoseValue, Properties, Script};
 use motion::skeleton::BallLimits;
@@ -160,7 +160,7 @@ pub fn dance() -> Tracks {
     Script { properties, actions: vec![bow, wave], inserts }.build(&s, &base(&s)).unwrap()
 }
 
-pub fn apply(edit: &dyn Edit, tracks: &mut Tracks, selector: &Selector) -> EditLog {
+pub fn apply(edit: &dyn TrackEdit, tracks: &mut Tracks, selector: &Selector) -> EditLog {
     let mut log = EditLog::default();
     let selection = selector.select(tracks).unwrap();
     edit.apply(tracks, &selection, &mut log).unwrap();

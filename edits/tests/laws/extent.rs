@@ -2,7 +2,7 @@
 
 use edits::extent_shoulder::arm_down;
 use edits::poses::groups;
-use edits::{Edit, EditLog, ExtentReach, ExtentShoulder, Selector};
+use edits::{EditLog, ExtentReach, ExtentShoulder, Selector, TrackEdit};
 use motion::{Dof, Kinematics, Tracks, Vec3};
 
 use crate::body::{action, apply, ball, build, cycle, dance, dof, element, hinge, names, pose, scalar};
@@ -167,7 +167,7 @@ fn presets_are_ordered() {
 fn bad_extents_are_refused() {
     let mut tracks = dance();
     let all = Selector::default().select(&tracks).unwrap();
-    let edits: [Box<dyn Edit>; 4] = [
+    let edits: [Box<dyn TrackEdit>; 4] = [
         Box::new(ExtentShoulder::new(-0.1)),
         Box::new(ExtentShoulder::new(f64::NAN)),
         Box::new(ExtentReach::new(0.0)),

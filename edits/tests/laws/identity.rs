@@ -1,12 +1,14 @@
 //! Identity edits change nothing, to the bit, and nearly identity edits nearly nothing.
 
-use edits::{Amount, Amplitude, Edit, ExtentReach, ExtentShoulder, Parameter, Selector, Succession, Tension};
+use edits::{
+    Amount, Amplitude, ExtentReach, ExtentShoulder, Parameter, Selector, Succession, Tension, TrackEdit,
+};
 use motion::Tracks;
 
 use crate::body::{apply, base, dance, skeleton};
 
 /// Every edit, `by` away from its identity.
-fn nearly(by: f64) -> Vec<Box<dyn Edit>> {
+fn nearly(by: f64) -> Vec<Box<dyn TrackEdit>> {
     let one = Parameter::Constant(1.0 + by);
     vec![
         Box::new(Amplitude::new(1.0 + by)),

@@ -1,14 +1,15 @@
 //! The log knows who wrote what last, where edits conflict, and a failed edit leaves no trace.
 
 use edits::{
-    Amount, Amplitude, Edit, EditError, EditLog, ExtentReach, Field, Selection, Selector, Succession, Tension,
+    Amount, Amplitude, EditError, EditLog, ExtentReach, Field, Selection, Selector, Succession, Tension,
+    TrackEdit,
 };
 use motion::{Tracks, Value};
 
 use crate::body::{dance, element};
 
 /// Applies edits as a scene does.
-fn run(edits: &[(Box<dyn Edit>, Selector)]) -> (Tracks, EditLog) {
+fn run(edits: &[(Box<dyn TrackEdit>, Selector)]) -> (Tracks, EditLog) {
     let (mut tracks, mut log) = (dance(), EditLog::default());
     for (edit, selector) in edits {
         let selection = selector.select(&tracks).unwrap();
@@ -61,7 +62,7 @@ fn conflicts_are_listed_and_the_last_holds() {
 /// An edit of a user, which fails half-way.
 struct Broken;
 
-impl Edit for Broken {
+impl TrackEdit for Broken {
     fn name(&self) -> &'static str {
         "broken"
     }

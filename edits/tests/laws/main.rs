@@ -1,12 +1,15 @@
-//! The laws of movement-property edits, one file for each subject.
+//! The laws of edits, one file for each subject.
 
 mod body;
+mod clip_body;
 
 mod amplitude;
+mod clip_log;
 mod extent;
 mod identity;
 mod log;
 mod order;
+mod place;
 mod selectors;
 mod succession;
 mod tension;

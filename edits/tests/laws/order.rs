@@ -3,7 +3,8 @@
 use std::collections::BTreeSet;
 
 use edits::{
-    Amount, Amplitude, Edit, EditLog, ExtentReach, ExtentShoulder, Parameter, Selector, Succession, Tension,
+    Amount, Amplitude, EditLog, ExtentReach, ExtentShoulder, Parameter, Selector, Succession, Tension,
+    TrackEdit,
 };
 
 use crate::body::dance;
@@ -40,7 +41,7 @@ fn stacked_edits_leave_tracks_in_order() {
                 on = on.of([dice.pick(&parts), dice.pick(&parts)]);
             }
             let x = 0.2 + 2.0 * dice.roll();
-            let edit: Box<dyn Edit> = match (dice.roll() * 6.0) as usize {
+            let edit: Box<dyn TrackEdit> = match (dice.roll() * 6.0) as usize {
                 0 => Box::new(Amplitude::new(Parameter::OverRepetition(vec![(0.0, 1.0), (2.0, x)]))),
                 1 => Box::new(Succession::forward(0.3 * x)),
                 2 => Box::new(Succession::reverse(Parameter::OverTime(vec![(0.0, 0.0), (2.0, 0.3 * x)]))),

@@ -1,7 +1,7 @@
 //! Succession spreads start times along the body and keeps each track in order.
 
 use edits::succession::ranks;
-use edits::{Direction, Edit, EditError, EditLog, Parameter, Selector, Succession};
+use edits::{Direction, EditError, EditLog, Parameter, Selector, Succession, TrackEdit};
 use motion::{Joint, Link, Skeleton, Tracks, Vec3};
 
 use crate::body::{action, apply, ball, build, cycle, dance, dof, element, hinge, pose};

@@ -43,7 +43,7 @@ use crate::kernel::Kernel;
 use crate::likelihood::{View, median_squared, squared_distances};
 use crate::pairs::{Coverage, Pairs, Space};
 use crate::posterior::Posterior;
-use crate::regressor::{Doubt, Jump, Part, Prediction, Regressor, Scratch};
+use crate::regressor::{Jump, Part, PosteriorCovariance, Prediction, Regressor, Scratch};
 use back::Back;
 use objective::Joint;
 use search::Search;
@@ -179,7 +179,7 @@ impl TryFrom<Stored> for SharedGplvm {
             return Err(FitError::Stored { what: "latent coordinates", found: s.latents.len(), expected });
         }
         let unsound = s.latents.iter().filter(|v| !v.is_finite()).count()
-            + [s.input_kernel, s.output_kernel, s.back_kernel].iter().filter(|k| !k.is_sound()).count();
+            + [s.input_kernel, s.output_kernel, s.back_kernel].iter().filter(|k| !k.is_positive()).count();
         if unsound > 0 {
             return Err(FitError::Stored {
                 what: "numbers that are not finite or positive",
@@ -217,7 +217,7 @@ impl SharedGplvm {
         let mut r2 = vec![0.0; n * n];
         squared_distances(&x, q, &mut r2);
         let kernel = Kernel::start(median_squared(&r2, n).max(1e-6));
-        // Equal voice, see the module header.
+        // outputs of fewer coordinates than inputs count as many: see the module header
         let weight = (pairs.input_dim() as f64 / pairs.output_dim() as f64).max(1.0);
         let views = [View::new(&y.points), View::weighted(&z.points, weight)];
         let mut joint = Joint::new(views, n, q);
@@ -337,8 +337,8 @@ impl SharedGplvm {
         };
         matvec(&self.basis, &scratch.input, &mut search.pose);
         search.beyond = (dot(&scratch.input, &scratch.input) - dot(&search.pose, &search.pose)).max(0.0);
-        let leap = search.run(&self.input, &self.latents, nearest, lambda);
-        scratch.jump = leap.map(|l| Jump { lengths: l.lengths, gain: l.gain, key: nearest });
+        let change = search.run(&self.input, &self.latents, nearest, lambda);
+        scratch.jump = change.map(|l| Jump { lengths: l.lengths, gain: l.gain, key: nearest });
         // The part of the input that no latent point explains, in units of the variance of the inputs.
         let unseen = dot(&search.residual, &search.residual) + search.beyond;
         Ok((novelty, unseen / self.pairs.input_dim() as f64))
@@ -419,7 +419,7 @@ impl Regressor for SharedGplvm {
         Ok(())
     }
 
-    fn doubt(&self, frames: &DMatrix<f64>) -> Result<Doubt, InputError> {
+    fn posterior_covariance(&self, frames: &DMatrix<f64>) -> Result<PosteriorCovariance, InputError> {
         let (n, f) = (self.pairs.len(), frames.nrows());
         let mut scratch = Scratch::new();
         let mut input = vec![0.0; frames.ncols()];
@@ -450,7 +450,7 @@ impl Regressor for SharedGplvm {
             let own = Some(self.back.own);
             parts.push(Part { weight, kernel: self.back.parameters(), own, points: inputs, known: told });
         }
-        Ok(Doubt { noise: kernel.noise(), parts, unseen, frames: f })
+        Ok(PosteriorCovariance { noise: kernel.noise(), parts, unseen, frames: f })
     }
 }
 

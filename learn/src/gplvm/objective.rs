@@ -9,7 +9,7 @@
 use crate::dense::{axpy, dot, mirror};
 use crate::descend::Objective;
 use crate::error::FitError;
-use crate::kernel::{Kernel, PARAMETERS, wall};
+use crate::kernel::{Kernel, PARAMETERS, box_penalty};
 use crate::likelihood::{View, Work, squared_distances};
 
 /// The two views and what an evaluation writes into.
@@ -62,7 +62,7 @@ impl Objective for Joint {
             by.iter_mut().zip(by_prior).for_each(|(a, b)| *a += b);
             let at = n * q + v * PARAMETERS..n * q + (v + 1) * PARAMETERS;
             gradient[at.clone()].copy_from_slice(&kernel.chain(&by));
-            value += wall(&p[at.clone()], &mut gradient[at]);
+            value += box_penalty(&p[at.clone()], &mut gradient[at]);
         }
         mirror(&mut self.weights, n);
         for i in 0..n {

@@ -69,9 +69,9 @@ pub(crate) struct Search {
     pub residual: Vec<f64>,
 }
 
-/// The mapping left the basin it was in.
+/// The search from the key pose ended in a likelier minimum than that from the previous answer.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Leap {
+pub(crate) struct BasinChange {
     /// Distance between the two answers, in kernel lengths.
     pub lengths: f64,
     /// How much likelier the new answer is, nats.
@@ -119,7 +119,13 @@ impl Search {
 
     /// Starts at the previous answer and at key pose `nearest`; keeps the likelier in `answer`. Says if that
     /// left the previous answer's basin.
-    pub fn run(&mut self, side: &Posterior, latents: &[f64], nearest: usize, lambda: f64) -> Option<Leap> {
+    pub fn run(
+        &mut self,
+        side: &Posterior,
+        latents: &[f64],
+        nearest: usize,
+        lambda: f64,
+    ) -> Option<BasinChange> {
         let q = self.q;
         self.steps = 0;
         self.reach = REACH * (dot(latents, latents) / self.n as f64).sqrt();
@@ -132,15 +138,15 @@ impl Search {
         }
         self.point.copy_from_slice(&latents[nearest * q..(nearest + 1) * q]);
         let fresh = self.descend(side, latents, lambda, kept.is_some());
-        let mut leap = None;
+        let mut change = None;
         match (kept, fresh) {
             (Some(kept), Some(fresh)) => {
                 let gain = kept - fresh;
                 let lengths = distance_squared(&self.point, &self.answer).sqrt() * side.kernel.theta2.sqrt();
-                // Less is rounding: two ends of one basin.
+                // a smaller gain is rounding: both searches ended in the same minimum
                 if gain > 1e-6 {
                     self.answer.copy_from_slice(&self.point);
-                    leap = (lengths > VISIBLE).then_some(Leap { lengths, gain });
+                    change = (lengths > VISIBLE).then_some(BasinChange { lengths, gain });
                 }
             }
             (None, Some(_)) => self.answer.copy_from_slice(&self.point),
@@ -148,14 +154,14 @@ impl Search {
             (_, None) => {}
         }
         self.warm = true;
-        // `residual` is that of the last trial so far.
+        // `residual` is still that of the last trial point: evaluate it at the answer
         self.trial.copy_from_slice(&self.answer);
         self.moments(side, latents);
-        leap
+        change
     }
 
     /// Whether `point` is within a tenth of a standard deviation of `answer`, by the curvature there.
-    fn arrived(&self) -> bool {
+    fn reached_answer(&self) -> bool {
         let q = self.q;
         // |Lᵀ(x − x̂)|² with L Lᵀ = ∂²F/∂x².
         let mut sum = 0.0;
@@ -179,18 +185,18 @@ impl Search {
         let mut value = self.evaluate(side, latents, lambda);
         self.gradient.copy_from_slice(&self.trial_gradient);
         self.curvature(side, latents, lambda);
-        // Steps since the second derivatives were looked at.
+        // steps since the second derivatives were computed
         let mut age = 0;
         let mut steps = 0;
         while steps < STEPS {
             matvec(&self.h, &self.gradient, &mut self.direction);
             let slope = -dot(&self.gradient, &self.direction);
-            // Also when the curvature has lost its sign to rounding.
+            // true also where rounding has made the slope positive
             let done = -slope <= 2.0 * ENOUGH;
             let old = age == REFRESH;
             let moved = if done || old { None } else { self.line(side, latents, lambda, value, slope) };
             if age > 0 && moved.is_none() {
-                // What looks like the end by an old curvature need not be one.
+                // the step failed with second derivatives from earlier steps: compute them here before giving up
                 age = 0;
                 self.curvature(side, latents, lambda);
                 continue;
@@ -219,7 +225,7 @@ impl Search {
                     axpy(-s[i] / sy, &self.turned, row);
                 }
             }
-            if beside && self.arrived() {
+            if beside && self.reached_answer() {
                 return None;
             }
         }

@@ -162,7 +162,7 @@ fn two_steps_are_enough() {
 /// What smoothing takes off noise in the accelerations is within 1.3 of the best cut-off there is, for
 /// white and for coloured noise, at any rate, without being told any of them.
 #[test]
-fn the_chosen_strength_is_nearly_the_best() {
+fn slow_the_chosen_strength_is_nearly_the_best() {
     let mut worst = (0.0, String::new());
     for rate in [30.0, 60.0, 100.0, 120.0, 240.0] {
         let frames = (5.0 * rate) as usize;

@@ -6,7 +6,8 @@
 use std::f64::consts::PI;
 use std::sync::Arc;
 
-use dynamics::{Body, Character, ContactSample, JointClass, RootMode, Trace};
+use bodies::{Body, Character, JointClass};
+use dynamics::{ContactSample, RootMode, Trace};
 use motion::rotation::exp;
 use motion::{
     BallLimits, Clip, Joint, Kinematics, Limb, LimbKind, Limits, Link, Range, Shape, Site, Skeleton, Vec3,

@@ -6,27 +6,27 @@
 //! | module | holds |
 //! |---|---|
 //! | [`phases`] | when human points touch, and the character's with them |
-//! | `pace` | phases that give way to steps that need more time |
+//! | `pace` | phases shortened where flights are too quick |
 //! | [`paths`] | where each point has to be in every frame: `planted`, link by link |
-//! | [`reach`] | the pose that puts the points there |
+//! | [`ik`] | the pose that puts the points there |
 //!
 //! \[YAH10\] Yamane, Ariki, Hodgins. Animating Non-Humanoid Characters with Human Motion Data, SCA 2010.
 
+pub mod ik;
 mod pace;
 pub mod paths;
 pub mod phases;
 mod planted;
-pub mod reach;
 
-use dynamics::Character;
+use bodies::Character;
 use motion::{Clip, Vec3, smoothstep};
 
 use crate::global_transform::low_pass;
 use crate::options::ContactOptions;
 use crate::result::ContactReport;
 use crate::{Puppet, RetargetError};
-use paths::{Path, Span, held_paths};
-use reach::Reach;
+use ik::ContactIk;
+use paths::{Path, PhaseFrames, held_paths};
 
 /// A time in which a point of the character stays where it is on the ground.
 #[derive(Clone, Debug, PartialEq)]
@@ -48,13 +48,13 @@ pub fn adjust(
     clip: &Clip,
     phases: &[Phase],
 ) -> Result<(Clip, ContactReport), RetargetError> {
-    let spans = phases::spans(puppet, phases, clip)?;
+    let spans = phases::frames_of_phases(puppet, phases, clip)?;
     let source = point_paths(puppet, clip);
     let goals = held_paths(puppet, &source, &spans, clip.rate_hz);
     Ok(follow(puppet, clip, &source, &goals, &spans))
 }
 
-/// As [`adjust`], with phases that give way where steps need more time, by up to [`ContactOptions::give_s`] at either
+/// As [`adjust`], with phases shortened where flights are too quick, by up to [`ContactOptions::phase_slack_s`] at either
 /// end: the phases, the clip, its report.
 ///
 /// # Errors
@@ -65,32 +65,32 @@ pub fn adjust_in_time(
     phases: &[Phase],
     options: &ContactOptions,
 ) -> Result<(Vec<Phase>, Clip, ContactReport), RetargetError> {
-    let spans = phases::spans(puppet, phases, clip)?;
+    let spans = phases::frames_of_phases(puppet, phases, clip)?;
     let source = point_paths(puppet, clip);
     let (spans, goals) = pace::pace(puppet, &source, spans, clip.rate_hz, options);
     let (out, report) = follow(puppet, clip, &source, &goals, &spans);
-    Ok((phases::named(puppet, &spans, clip.rate_hz), out, report))
+    Ok((phases::phases_of_frames(puppet, &spans, clip.rate_hz), out, report))
 }
 
 /// The clip whose points are at their goals.
 ///
-/// In two passes: solved frame by frame, the root is jerked about wherever a straight leg has to reach. Of the
-/// way it takes in the first pass it keeps what is slow, and in the second it gives way only where legs cannot reach.
+/// In two passes: solved frame by frame, the root's path has jerks wherever a straight leg has to reach. The low-passed
+/// path of the first pass is where the second starts from, with a root that moves only where legs cannot reach.
 fn follow(
     puppet: &Puppet,
     clip: &Clip,
     source: &[Path],
     goals: &[Path],
-    spans: &[Vec<Span>],
+    spans: &[Vec<PhaseFrames>],
 ) -> (Clip, ContactReport) {
     let hold: Vec<Vec<f64>> = spans.iter().map(|s| firmness(s, clip)).collect();
-    let mut reach = Reach::new(puppet, spans);
+    let mut ik = ContactIk::new(puppet, spans);
     let mut out = clip.clone();
-    let put = |reach: &mut Reach, from: &[f64], i: usize, q: &mut [f64]| {
-        reach.solve(from, &|c| (goals[c][i], hold[c][i]), q);
+    let put = |ik: &mut ContactIk, from: &[f64], i: usize, q: &mut [f64]| {
+        ik.solve(from, &|c| (goals[c][i], hold[c][i]), q);
     };
     for i in 0..clip.frames() {
-        put(&mut reach, clip.pose(i), i, out.pose_mut(i));
+        put(&mut ik, clip.pose(i), i, out.pose_mut(i));
     }
     // the root's way, smoothed, is where the second pass starts from and stays
     let (nv, frames) = (clip.skeleton.nv(), clip.frames());
@@ -101,21 +101,21 @@ fn follow(
         (0..ROOT_DOFS).for_each(|d| ways[d][i] = way[d]);
     }
     let ways: Vec<Vec<f64>> = ways.iter().map(|w| low_pass(w, ROOT_HZ, clip.rate_hz)).collect();
-    reach.hold_root();
+    ik.hold_root();
     let mut from = clip.pose(0).to_vec();
     for i in 0..frames {
         way.fill(0.0);
         (0..ROOT_DOFS).for_each(|d| way[d] = ways[d][i]);
         from.copy_from_slice(clip.pose(i));
         clip.skeleton.integrate(&mut from, &way, 1.0);
-        put(&mut reach, &from, i, out.pose_mut(i));
+        put(&mut ik, &from, i, out.pose_mut(i));
     }
     let report = report(source, &point_paths(puppet, &out), spans, clip.rate_hz);
     (out, report)
 }
 
 /// How firmly a point is held in each frame: 1 in its phases, fading beside them.
-fn firmness(spans: &[Span], clip: &Clip) -> Vec<f64> {
+fn firmness(spans: &[PhaseFrames], clip: &Clip) -> Vec<f64> {
     let away = |i: usize| spans.iter().map(|s| s.first.saturating_sub(i).max(i.saturating_sub(s.last))).min();
     let fade = FADE_S * clip.rate_hz;
     let of_frame = |i: usize| away(i).map_or(0.0, |frames| 1.0 - smoothstep(frames as f64 / fade));
@@ -153,7 +153,7 @@ const FADE_S: f64 = 0.2;
 const NEAR_S: f64 = 0.1;
 
 /// What is left to see: slip and depth of the points, jerk near the phases' ends against the source.
-pub fn report(source: &[Path], result: &[Path], spans: &[Vec<Span>], rate_hz: f64) -> ContactReport {
+pub fn report(source: &[Path], result: &[Path], spans: &[Vec<PhaseFrames>], rate_hz: f64) -> ContactReport {
     let mut out = ContactReport::default();
     for (after, spans) in result.iter().zip(spans) {
         out.penetration_m = after.iter().map(|p| -p.y).fold(out.penetration_m, f64::max);
@@ -177,8 +177,8 @@ fn slip(p: &[Vec3]) -> f64 {
 const ALLOWED: f64 = 1.1;
 
 /// Largest third difference near the ends of phases, m.
-fn peak(paths: &[Path], spans: &[Vec<Span>], rate_hz: f64) -> f64 {
-    let of_point = |(p, spans): (&Path, &Vec<Span>)| {
+fn peak(paths: &[Path], spans: &[Vec<PhaseFrames>], rate_hz: f64) -> f64 {
+    let of_point = |(p, spans): (&Path, &Vec<PhaseFrames>)| {
         let ends = spans.iter().flat_map(|s| [s.first, s.last]);
         ends.map(|end| peak_near(p, end, rate_hz)).fold(0.0, f64::max)
     };

@@ -18,7 +18,7 @@ pub type Path = Vec<Vec3>;
 
 /// Frames of a phase, ends included.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Span {
+pub struct PhaseFrames {
     /// First frame in contact.
     pub first: usize,
     /// Last frame in contact.
@@ -26,7 +26,7 @@ pub struct Span {
 }
 
 /// The paths that hold every point in its phases.
-pub fn held_paths(puppet: &Puppet, paths: &[Path], spans: &[Vec<Span>], rate_hz: f64) -> Vec<Path> {
+pub fn held_paths(puppet: &Puppet, paths: &[Path], spans: &[Vec<PhaseFrames>], rate_hz: f64) -> Vec<Path> {
     let allowed = ALLOWED * peak(paths, spans, rate_hz);
     let mut out = paths.to_vec();
     for of_link in by_link(puppet) {
@@ -34,7 +34,7 @@ pub fn held_paths(puppet: &Puppet, paths: &[Path], spans: &[Vec<Span>], rate_hz:
             continue;
         }
         let sources = of_link.iter().map(|&c| &paths[c]).collect();
-        let spans: Vec<&[Span]> = of_link.iter().map(|&c| spans[c].as_slice()).collect();
+        let spans: Vec<&[PhaseFrames]> = of_link.iter().map(|&c| spans[c].as_slice()).collect();
         for (&c, path) in of_link.iter().zip(Planted::new(sources, &spans, rate_hz).solve(&spans, allowed)) {
             out[c] = path;
         }

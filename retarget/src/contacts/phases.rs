@@ -12,12 +12,12 @@
 //!
 //! A character's point
 //! takes the phases of its counterparts, any or all of them, and the same again; of those the character could only
-//! keep by flipping a foot, the short ones are dropped ([`landing`]).
+//! keep by flipping a foot, the short ones are dropped ([`without_flipped_feet`]).
 
 use motion::names::hint;
 use motion::{Clip, Vec3};
 
-use super::paths::{Path, Span};
+use super::paths::{Path, PhaseFrames};
 use super::{Phase, site_paths};
 use crate::options::ContactOptions;
 use crate::{ContactPoint, Follow, Performer, Puppet, RetargetError};
@@ -61,7 +61,7 @@ pub fn human_contacts(performer: &Performer, human: &Clip, options: &ContactOpti
             down
         };
         let mut on: Vec<bool> = p.iter().zip(&speeds).map(touches).collect();
-        tidy(&mut on, shortest);
+        close_gaps(&mut on, shortest);
         on
     };
     human_paths(performer, human).iter().map(of_path).collect()
@@ -87,7 +87,7 @@ fn speeds(p: &[Vec3], rate_hz: f64) -> Vec<f64> {
 }
 
 /// Closes short gaps between phases, then drops short phases; at the ends of the clip both may be short.
-fn tidy(on: &mut [bool], shortest: usize) {
+fn close_gaps(on: &mut [bool], shortest: usize) {
     for value in [false, true] {
         let mut i = 0;
         while i < on.len() {
@@ -142,7 +142,7 @@ pub fn groups(
 /// Whether a point whose counterparts are these is in contact, when the human ones are as `down` says.
 ///
 /// A name that stands for several sites is in contact when any of them is.
-pub fn follows(follow: Follow, groups: &[Vec<usize>], down: impl Fn(usize) -> bool) -> bool {
+pub fn in_contact(follow: Follow, groups: &[Vec<usize>], down: impl Fn(usize) -> bool) -> bool {
     let touches = |group: &Vec<usize>| group.iter().any(|&c| down(c));
     match follow {
         Follow::Any => groups.iter().any(touches),
@@ -169,18 +169,18 @@ pub fn find(
     for (spans, point) in out.iter_mut().zip(&puppet.contacts) {
         let groups = groups(performer, puppet, point)?;
         let mut on: Vec<bool> =
-            (0..human.frames()).map(|i| follows(point.follow, &groups, |c| contacts[c][i])).collect();
-        tidy(&mut on, shortest);
+            (0..human.frames()).map(|i| in_contact(point.follow, &groups, |c| contacts[c][i])).collect();
+        close_gaps(&mut on, shortest);
         let mut i = 0;
         while i < on.len() {
             let run = on[i..].iter().take_while(|&&x| x == on[i]).count();
             if on[i] {
-                spans.push(Span { first: i, last: i + run - 1 });
+                spans.push(PhaseFrames { first: i, last: i + run - 1 });
             }
             i += run;
         }
     }
-    Ok(named(puppet, &out, human.rate_hz))
+    Ok(phases_of_frames(puppet, &out, human.rate_hz))
 }
 
 /// Drops short phases that would flip a foot: of a heel that touches for a tenth of a second where the character's foot points
@@ -189,16 +189,20 @@ pub fn find(
 /// * `clip`: the character's, in the world
 ///
 /// # Errors
-/// As [`spans`].
-pub fn landing(puppet: &Puppet, clip: &Clip, found: &[Phase]) -> Result<Vec<Phase>, RetargetError> {
-    let spans = spans(puppet, found, clip)?;
+/// As [`frames_of_phases`].
+pub fn without_flipped_feet(
+    puppet: &Puppet,
+    clip: &Clip,
+    found: &[Phase],
+) -> Result<Vec<Phase>, RetargetError> {
+    let spans = frames_of_phases(puppet, found, clip)?;
     let paths = super::point_paths(puppet, clip);
     let sites = puppet.character.skeleton.sites();
     let site = |c: usize| &sites[puppet.contacts[c].site];
-    let mean = |c: usize, s: &Span| {
+    let mean = |c: usize, s: &PhaseFrames| {
         paths[c][s.first..=s.last].iter().map(|p| p.y).sum::<f64>() / (s.last - s.first + 1) as f64
     };
-    let tilted = |c: usize, s: &Span| {
+    let tilted = |c: usize, s: &PhaseFrames| {
         let beside = |o: &usize| *o != c && site(*o).link == site(c).link && !spans[*o].is_empty();
         let others: Vec<usize> = (0..paths.len()).filter(beside).collect();
         let slope = |o: &usize| (mean(c, s) - mean(*o, s)) / (site(c).at - site(*o).at).norm().max(1e-6);
@@ -207,18 +211,22 @@ pub fn landing(puppet: &Puppet, clip: &Clip, found: &[Phase]) -> Result<Vec<Phas
         (s.last - s.first) as f64 <= SHORT_S * clip.rate_hz
             && (alone || others.iter().map(slope).any(|x| x > STEEP))
     };
-    let kept = |(c, spans): (usize, &Vec<Span>)| spans.iter().filter(|s| !tilted(c, s)).copied().collect();
-    let kept: Vec<Vec<Span>> = spans.iter().enumerate().map(kept).collect();
-    Ok(named(puppet, &kept, clip.rate_hz))
+    let kept =
+        |(c, spans): (usize, &Vec<PhaseFrames>)| spans.iter().filter(|s| !tilted(c, s)).copied().collect();
+    let kept: Vec<Vec<PhaseFrames>> = spans.iter().enumerate().map(kept).collect();
+    Ok(phases_of_frames(puppet, &kept, clip.rate_hz))
 }
 
 /// Frames of a clip, per contact point of the puppet, as phases.
-pub fn named(puppet: &Puppet, spans: &[Vec<Span>], rate_hz: f64) -> Vec<Phase> {
+pub fn phases_of_frames(puppet: &Puppet, spans: &[Vec<PhaseFrames>], rate_hz: f64) -> Vec<Phase> {
     let sites = puppet.character.skeleton.sites();
     let at = |frame: usize| frame as f64 / rate_hz;
-    let of_point = |(spans, c): (&Vec<Span>, &ContactPoint)| -> Vec<Phase> {
-        let phase =
-            |s: &Span| Phase { point: sites[c.site].name.clone(), from_s: at(s.first), to_s: at(s.last) };
+    let of_point = |(spans, c): (&Vec<PhaseFrames>, &ContactPoint)| -> Vec<Phase> {
+        let phase = |s: &PhaseFrames| Phase {
+            point: sites[c.site].name.clone(),
+            from_s: at(s.first),
+            to_s: at(s.last),
+        };
         spans.iter().map(phase).collect()
     };
     spans.iter().zip(&puppet.contacts).flat_map(of_point).collect()
@@ -228,7 +236,11 @@ pub fn named(puppet: &Puppet, spans: &[Vec<Span>], rate_hz: f64) -> Vec<Phase> {
 ///
 /// # Errors
 /// As [`super::adjust`].
-pub fn spans(puppet: &Puppet, phases: &[Phase], clip: &Clip) -> Result<Vec<Vec<Span>>, RetargetError> {
+pub fn frames_of_phases(
+    puppet: &Puppet,
+    phases: &[Phase],
+    clip: &Clip,
+) -> Result<Vec<Vec<PhaseFrames>>, RetargetError> {
     let sites = puppet.character.skeleton.sites();
     let names: Vec<&str> = puppet.contacts.iter().map(|c| sites[c.site].name.as_str()).collect();
     let mut out = vec![Vec::new(); names.len()];
@@ -250,7 +262,7 @@ pub fn spans(puppet: &Puppet, phases: &[Phase], clip: &Clip) -> Result<Vec<Vec<S
             return Err(fault("it lies outside the clip"));
         }
         let frame = |t: f64| ((t * clip.rate_hz).round().max(0.0) as usize).min(clip.frames() - 1);
-        out[point].push(Span { first: frame(p.from_s), last: frame(p.to_s) });
+        out[point].push(PhaseFrames { first: frame(p.from_s), last: frame(p.to_s) });
     }
     for (point, spans) in out.iter_mut().enumerate() {
         spans.sort_by_key(|s| s.first);
@@ -269,7 +281,7 @@ pub fn spans(puppet: &Puppet, phases: &[Phase], clip: &Clip) -> Result<Vec<Vec<S
 
 #[cfg(test)]
 mod tests {
-    use super::tidy;
+    use super::close_gaps;
 
     #[test]
     fn short_gaps_close_and_short_phases_go() {
@@ -282,7 +294,7 @@ mod tests {
             ("####.", "####."),
         ] {
             let mut on = read(given);
-            tidy(&mut on, 3);
+            close_gaps(&mut on, 3);
             assert_eq!(on, read(want), "{given}");
         }
     }

@@ -29,13 +29,13 @@
 //! smooth. What is softer strays farther from the source in flight, by some v τ where its speed at the end is v; and phases
 //! shorter than τ give way to steps.
 //!
-//! Because the points move as one body, a heel that flies while its ball rests turns about the ball, and the change from one
-//! to the other is not felt. With a path of its own for each point a turning foot wants its heel where the foot cannot
-//! have it: up to 90 mm were measured, and snapped back at the touchdown.
+//! Because the points move as one body, a heel that flies while its ball rests turns about the ball, and nothing jumps when
+//! the other of the two comes to rest. With a path of its own for each point the goals of a turning foot do not fit the foot:
+//! up to 90 mm were measured, and the pose jumped at the touchdown.
 
 use motion::{Quat, Vec3};
 
-use super::paths::{Path, Span};
+use super::paths::{Path, PhaseFrames};
 use super::peak_near;
 use crate::refine::band::Band;
 
@@ -103,7 +103,7 @@ struct Rest {
 
 impl<'a> Planted<'a> {
     /// * `sources`, `spans`: of each point, in the same order; at least one point and one frame
-    pub(super) fn new(sources: Vec<&'a Path>, spans: &[&[Span]], rate_hz: f64) -> Self {
+    pub(super) fn new(sources: Vec<&'a Path>, spans: &[&[PhaseFrames]], rate_hz: f64) -> Self {
         let frames = sources[0].len();
         let n = sources.len() as f64;
         let rest = sources.iter().zip(spans).map(|(path, spans)| {
@@ -143,7 +143,7 @@ impl<'a> Planted<'a> {
     }
 
     /// The paths, jerked no more than `allowed` near the ends of phases (third difference, m) if they can be.
-    pub(super) fn solve(mut self, spans: &[&[Span]], allowed: f64) -> Vec<Path> {
+    pub(super) fn solve(mut self, spans: &[&[PhaseFrames]], allowed: f64) -> Vec<Path> {
         let mut found = self.settle();
         while self.soften(&found, spans, allowed) {
             found = self.settle();
@@ -159,7 +159,7 @@ impl<'a> Planted<'a> {
     }
 
     /// Raises τ around ends that are jerked more than allowed; whether there are any where it could.
-    fn soften(&mut self, points: &[Path], spans: &[&[Span]], allowed: f64) -> bool {
+    fn soften(&mut self, points: &[Path], spans: &[&[PhaseFrames]], allowed: f64) -> bool {
         let around = (AROUND_S * self.rate_hz).round() as usize;
         let mut jerked = vec![false; self.softness.len()];
         for (path, spans) in points.iter().zip(spans) {

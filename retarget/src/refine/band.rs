@@ -17,7 +17,7 @@
 
 use nalgebra::{DMatrixView, DMatrixViewMut, Dyn};
 
-use crate::cholesky::dot;
+use motion::linear::dot;
 
 /// Most rows of a panel, unless a single block has more.
 const PANEL: usize = 96;

@@ -10,7 +10,7 @@ use super::band::Band;
 use super::basis::Active;
 
 /// The quadratic of one frame in `x`. See the module header.
-pub(super) struct Local {
+pub(super) struct FrameQuadratic {
     pub d: usize,
     /// Q, lower triangle, row-major, `3d × 3d`.
     pub q: Vec<f64>,
@@ -21,7 +21,7 @@ pub(super) struct Local {
     half: Vec<f64>,
 }
 
-impl Local {
+impl FrameQuadratic {
     pub fn new(d: usize) -> Self {
         Self {
             d,
@@ -57,7 +57,7 @@ impl Local {
     }
 
     /// Adds the frame to the normal equations of the weights, of which function `active.first` is number `first`.
-    pub fn carry(
+    pub fn add_to(
         &mut self,
         active: &Active,
         first: usize,

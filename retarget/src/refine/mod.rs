@@ -14,11 +14,11 @@
 //!   and a man; ℓ is the radius of gyration about X in the rest pose. Where only the root's height moves, what is not the
 //!   vertical force counts 0.6 of a newton each: of a body whose weight is not over its feet the moment can then only be
 //!   lowered by carrying half of its weight, which is what the least sum of squares does.
-//! - *Z_c*: the required force outside the cone of μ' = [`CONE_SHARE`] μ. Z_p knows of the cone only what its friction can
-//!   give: a force that is far outside is missed by nearly as much whether its vertical part is there or not, and where a
-//!   flight is made steeper the frames next to it lose weight on their feet before they lose their horizontal force.
+//! - *Z_c*: the required force outside the cone of μ' = [`CONE_SHARE`] μ. Z_p alone says little about the cone: the
+//!   mismatch of a force that is far outside is nearly the same with and without its vertical part, and where a flight is made
+//!   steeper the vertical force beside it falls before the horizontal force does.
 //! - *Z_m*: the mapping's variance σ² (never below [`LEAST_DEVIATION_M`]²) about the pose that is refined, not about
-//!   the mapping's mean: that one knows nothing of where the feet were put, and would pull them off. \[YAH10\] sums over
+//!   the mapping's mean, which would pull the feet away from where contact adjustment has put them. \[YAH10\] sums over
 //!   frames and points as if they erred independently. A body that is mapped too low has all its points too low, for
 //!   as long as the pose lasts: the points count as one here, and so do the frames of τ = [`INDEPENDENT_S`], whatever
 //!   the frame rate. (Summed as printed, Z_m holds a jump at the height it was mapped to; the flight cannot become one.)
@@ -47,13 +47,14 @@ mod windows;
 
 use std::ops::Range;
 
-use dynamics::{Character, Model, Penalty, State};
+use bodies::Character;
+use dynamics::{Model, Penalty, State};
 use motion::names::hint;
 use motion::{Clip, Joint, Kinematics, Vec3};
 
-use crate::contacts::paths::Span;
+use crate::contacts::paths::PhaseFrames;
 use crate::contacts::{Phase, phases, point_paths, report as contact_report};
-use crate::options::{RefineDofs, RefineOptions};
+use crate::options::{RefineDofs, RefineOptions, WorldOptions};
 use crate::result::RefinementReport;
 use crate::{Puppet, RetargetError};
 use physics::{Forces, Physics};
@@ -72,10 +73,8 @@ pub const SLIP_M: f64 = 0.001;
 pub const CONE_SHARE: f64 = 0.9;
 /// Stiffness of an anchor over that of [`Penalty::for_body`], whose friction is used up only after 3 mm of slip.
 const GRIP: f64 = 4.0;
-/// Gravity, m/s².
-pub const GRAVITY: f64 = 9.81;
-/// Share of the damping of [`Penalty::for_body`] that is kept: nothing is simulated here, and what a heel that is put
-/// down at 0.1 m/s would lose to the damper no body has to give.
+/// Share of the damping of [`Penalty::for_body`] that is kept. Nothing is simulated here, so that damping is not needed for
+/// stability, and the force of the damper on a heel that lands at 0.1 m/s is none that the motion requires.
 const DAMPING: f64 = 0.1;
 /// Spacing of the basis functions of the pass against collisions, s: an arm goes round a hip, it does not jump.
 const COLLISION_SPACING_S: f64 = 0.25;
@@ -87,6 +86,7 @@ const TOUCH_M: f64 = 0.001;
 /// Refines a clip. See the module header.
 ///
 /// * `variance`: of a coordinate of a feature point in every frame, m²
+/// * `world`: gravity, friction of the ground, solids
 ///
 /// # Errors
 /// Phases that do not fit, links that do not exist, options outside their range.
@@ -95,23 +95,27 @@ pub fn refine(
     clip: &Clip,
     found: &[Phase],
     variance: &[f64],
+    world: &WorldOptions,
     options: &RefineOptions,
 ) -> Result<(Clip, RefinementReport), RetargetError> {
+    world.check()?;
     check(options)?;
-    let spans = phases::spans(puppet, found, clip)?;
+    let spans = phases::frames_of_phases(puppet, found, clip)?;
     let source = point_paths(puppet, clip);
     let anchors = anchors(&source, &spans, clip.frames());
     let c = &puppet.character;
-    let mut penalty = Penalty::for_body(c.mass(), GRAVITY, standing_on(&anchors), options.sink_m)?;
-    penalty.mu = options.friction;
+    let mut penalty =
+        Penalty::for_body(c.mass(), world.gravity_m_s2, mean_contacts(&anchors), options.sink_m)?;
+    penalty.mu = world.friction;
     penalty.k_d *= DAMPING;
     penalty.k_tp *= GRIP;
     let length_m = gyration(puppet);
-    let solids = Solids::new(puppet, &options.obstacles, &options.accepted);
+    let solids = Solids::new(puppet, &world.obstacles, &options.accepted);
     let setting = Setting {
         puppet,
         anchors: &anchors,
         variance,
+        world,
         options,
         solids: options.collisions.then_some(&solids),
         length_m,
@@ -121,8 +125,8 @@ pub fn refine(
     let mut iterations = 0;
     let (before_m, touching) = collisions(&solids, clip);
     if options.collisions && before_m > TOUCH_M {
-        let giving = |s: Range<usize>| joints_between(puppet, s.flat_map(|i| &touching[i]));
-        let dofs = giving(0..clip.frames());
+        let between = |s: Range<usize>| joints_between(puppet, s.flat_map(|i| &touching[i]));
+        let dofs = between(0..clip.frames());
         if !dofs.is_empty() {
             let wide = RefineOptions {
                 spacing_s: COLLISION_SPACING_S,
@@ -130,28 +134,31 @@ pub fn refine(
                 ..options.clone()
             };
             let setting = Setting { options: &wide, ..setting };
-            // what gives way in the whole clip: legs that stand never do where arms can anywhere
-            let moving = |s: Range<usize>| giving(s).into_iter().filter(|d| dofs.contains(d)).collect();
+            // only what moves in the whole clip: a stretch in which only legs touch moves no leg if arms touch elsewhere
+            let moving = |s: Range<usize>| between(s).into_iter().filter(|d| dofs.contains(d)).collect();
             iterations += windows::solve(setting, &mut out, &dofs, false, &|s| moving(s.counted.clone()))?;
         }
     }
-    // the root's height alone can do nothing about a hand in a hip
+    // the root moves all links alike: it cannot end a penetration of one link by another
     let alone = matches!(options.dofs, RefineDofs::RootHeight | RefineDofs::Root);
     let setting = Setting { solids: setting.solids.filter(|_| !alone), ..setting };
-    let dofs = chosen(puppet, &options.dofs, &spans)?;
+    let dofs = refined_dofs(puppet, &options.dofs, &spans)?;
     iterations += windows::solve(setting, &mut out, &dofs, true, &|_| dofs.clone())?;
 
-    let mut physics = Physics::new(puppet, penalty, Vec3::y() * -GRAVITY);
+    let mut physics = Physics::new(puppet, penalty, Vec3::y() * -world.gravity_m_s2);
     let (before, after) = (forces(&mut physics, clip, &anchors), forces(&mut physics, &out, &anchors));
-    let moved: Vec<f64> = (0..clip.frames()).map(|i| root_way(puppet, clip.pose(i), out.pose(i))).collect();
+    let moved: Vec<f64> =
+        (0..clip.frames()).map(|i| root_displacement(puppet, clip.pose(i), out.pose(i))).collect();
     let mut sorted = moved.clone();
     sorted.sort_by(f64::total_cmp);
     let held = contact_report(&source, &point_paths(puppet, &out), &spans, clip.rate_hz);
-    let cone = |f: &[Forces]| outside_cone(f, &anchors, options.friction, c.mass() * GRAVITY);
+    let weight_n = c.mass() * world.gravity_m_s2;
+    let cone = |f: &[Forces]| outside_cone(f, &anchors, world.friction, weight_n);
     let report = RefinementReport {
         before: mismatch(&before, length_m),
         after: mismatch(&after, length_m),
         length_m,
+        weight_n,
         root_median_m: sorted[sorted.len() / 2],
         root_largest_m: sorted[sorted.len() - 1],
         slip_m: held.slip_m,
@@ -168,7 +175,7 @@ pub fn refine(
 }
 
 /// Links that carry at least half of the mass that is not the root's: what moves the body of one that stands on its root.
-fn bulk(c: &Character) -> Vec<usize> {
+fn links_of_most_mass(c: &Character) -> Vec<usize> {
     let s = &c.skeleton;
     let mut carried: Vec<f64> = c.bodies.iter().map(|b| b.mass).collect();
     for i in (1..carried.len()).rev() {
@@ -196,11 +203,11 @@ fn check(o: &RefineOptions) -> Result<(), RetargetError> {
         let (name, allowed) = ("the weight of the friction cone", "0 and positive numbers");
         return Err(RetargetError::Option { name, value, allowed });
     }
-    positive("the coefficient of friction", o.friction)
+    Ok(())
 }
 
 /// Where the points are anchored, per frame: their own place at the middle of the phase.
-fn anchors(paths: &[Vec<Vec3>], spans: &[Vec<Span>], frames: usize) -> Vec<Vec<Option<[f64; 2]>>> {
+fn anchors(paths: &[Vec<Vec3>], spans: &[Vec<PhaseFrames>], frames: usize) -> Vec<Vec<Option<[f64; 2]>>> {
     let mut out = vec![vec![None; paths.len()]; frames];
     for (c, (path, spans)) in paths.iter().zip(spans).enumerate() {
         for s in spans {
@@ -211,8 +218,8 @@ fn anchors(paths: &[Vec<Vec3>], spans: &[Vec<Span>], frames: usize) -> Vec<Vec<O
     out
 }
 
-/// Points that share the weight: the mean number of those in a phase, where any is.
-fn standing_on(anchors: &[Vec<Option<[f64; 2]>>]) -> usize {
+/// Points that share the weight: the mean number of those in contact, over the frames that have any.
+fn mean_contacts(anchors: &[Vec<Option<[f64; 2]>>]) -> usize {
     let counts: Vec<usize> = anchors.iter().map(|a| a.iter().flatten().count()).filter(|&n| n > 0).collect();
     ((counts.iter().sum::<usize>() as f64 / counts.len().max(1) as f64).round() as usize).max(1)
 }
@@ -254,7 +261,7 @@ fn mismatch(forces: &[Forces], length_m: f64) -> [f64; 6] {
 /// Share of the weight by which a force may miss the cone before it counts.
 const CONE_SLACK: f64 = 0.01;
 
-/// Frames with a point in contact whose required force no friction can give.
+/// Frames with a point in contact whose required force is outside the friction cone.
 fn outside_cone(f: &[Forces], anchors: &[Vec<Option<[f64; 2]>>], mu: f64, weight: f64) -> Vec<usize> {
     let outside =
         |f: &Forces| f.required.x.hypot(f.required.z) > mu * f.required.y.max(0.0) + CONE_SLACK * weight;
@@ -262,7 +269,7 @@ fn outside_cone(f: &[Forces], anchors: &[Vec<Option<[f64; 2]>>], mu: f64, weight
     (0..f.len()).filter(touching).filter(|&i| outside(&f[i])).collect()
 }
 
-fn root_way(puppet: &Puppet, a: &[f64], b: &[f64]) -> f64 {
+fn root_displacement(puppet: &Puppet, a: &[f64], b: &[f64]) -> f64 {
     let s = &puppet.character.skeleton;
     (s.position(a, 0) - s.position(b, 0)).norm()
 }
@@ -278,7 +285,7 @@ fn collisions(solids: &Solids, clip: &Clip) -> (f64, Vec<Vec<Pair>>) {
     for i in 0..clip.frames() {
         k.update(&clip.skeleton, clip.pose(i));
         found.clear();
-        solids.touches(&k, &mut found);
+        solids.penetrations(&k, &mut found);
         let mut pairs = Vec::new();
         for t in found.iter().filter(|t| t.depth_m > TOUCH_M) {
             deepest = deepest.max(t.depth_m);
@@ -310,7 +317,7 @@ fn joints_between<'p>(puppet: &Puppet, pairs: impl Iterator<Item = &'p Pair>) ->
     links.retain(|&l| l != 0);
     links.sort_unstable();
     links.dedup();
-    // arms give way to legs that stand
+    // where joints of the arms can end the penetration, those that carry contact points do not move
     let stands =
         |l: &usize| puppet.contacts.iter().any(|c| s.ancestors(s.sites()[c.site].link).any(|u| u == *l));
     if links.iter().any(|l| !stands(l)) {
@@ -322,7 +329,11 @@ fn joints_between<'p>(puppet: &Puppet, pairs: impl Iterator<Item = &'p Pair>) ->
 /// Degrees of freedom that the physics may move.
 ///
 /// * `spans`: contact phases of each point
-fn chosen(puppet: &Puppet, dofs: &RefineDofs, spans: &[Vec<Span>]) -> Result<Vec<usize>, RetargetError> {
+fn refined_dofs(
+    puppet: &Puppet,
+    dofs: &RefineDofs,
+    spans: &[Vec<PhaseFrames>],
+) -> Result<Vec<usize>, RetargetError> {
     let c = &puppet.character;
     let s = &c.skeleton;
     if s.links()[0].joint != Joint::Free {
@@ -341,7 +352,7 @@ fn chosen(puppet: &Puppet, dofs: &RefineDofs, spans: &[Vec<Span>]) -> Result<Vec
             let mut links: Vec<usize> =
                 standing.flat_map(|(p, _)| s.ancestors(s.sites()[p.site].link)).filter(|&l| l != 0).collect();
             if links.is_empty() {
-                links = bulk(c);
+                links = links_of_most_mass(c);
             }
             (0..6).chain(links.into_iter().flat_map(of_link)).collect()
         }

@@ -12,8 +12,9 @@
 //! δp = c_k(p)    δṗ = a_k × Σ_{j outboard} c_j(p) v_j + (Σ_{j not outboard} a_j v_j) × c_k(p)
 //! ```
 //!
-//! *The ground made linear* ([`Ground`]). A point above the ground feels almost nothing of it, and one that only touches
-//! feels half of its stiffness: a step by the tangent goes nowhere or twice too deep. The chord goes through the force now
+//! *The ground made linear* ([`GroundSlope`]). On a point above the ground the force hardly depends on its
+//! height, and where one just touches the slope is half of the ground's stiffness: a step by the tangent goes nowhere or twice
+//! too deep. The chord goes through the force now
 //! and the one wanted, a point's share of what the ground gives too little or too much, at the height where the law gives
 //! that ([`Penalty::rest_height`]).
 //!
@@ -28,7 +29,7 @@ use motion::{Joint, Kinematics, Vec3};
 use nalgebra::{DMatrix, Vector6};
 
 use crate::Puppet;
-use crate::axes::Axes;
+use motion::ik::JointAxes;
 
 /// Forces of one frame, world axes for those of the ground.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -58,7 +59,7 @@ pub struct Slopes {
 
 /// How the law of the ground is made linear. See the module header.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Ground {
+pub enum GroundSlope {
     /// By its slope.
     Tangent,
     /// By the chord to the force that is wanted.
@@ -76,7 +77,7 @@ pub struct Physics {
     penalty: Penalty,
     points: Vec<Point>,
     k: Kinematics,
-    axes: Axes,
+    axes: JointAxes,
     /// First and one past the last degree of freedom of the rotation each turning one belongs to.
     group: Vec<(usize, usize)>,
     tau: Vec<f64>,
@@ -115,7 +116,7 @@ impl Physics {
                 .map(|p| Point { link: sites[p.site].link, at: sites[p.site].at })
                 .collect(),
             k: Kinematics::new(&c.skeleton, &c.rest),
-            axes: Axes::new(&c.skeleton),
+            axes: JointAxes::new(&c.skeleton),
             group,
             tau: vec![0.0; c.skeleton.nv()],
             stiffness: vec![0.0; puppet.contacts.len()],
@@ -177,7 +178,7 @@ impl Physics {
         v: &[f64],
         vd: &[f64],
         anchors: Anchors,
-        (forces, ground): (&Forces, Ground),
+        (forces, ground): (&Forces, GroundSlope),
         out: &mut Slopes,
     ) {
         let nv = v.len();
@@ -200,7 +201,7 @@ impl Physics {
             let rate = self.rate(point.link, &p, v);
             let slip = anchor.map_or([0.0; 2], |a| [p.x - a[0], p.z - a[1]]);
             let mut f = self.penalty.force_gradient(p.y, rate.y, slip, [rate.x, rate.z]);
-            if ground == Ground::Chord && carriers[i] && f.d_z.y < 0.0 {
+            if ground == GroundSlope::Chord && carriers[i] && f.d_z.y < 0.0 {
                 // friction follows the normal force
                 if let Some(slope) = self.chord(p.y, f.force.y, more) {
                     f.d_z *= slope / f.d_z.y;
@@ -222,7 +223,7 @@ impl Physics {
                 let axis = &self.axes.all[k];
                 let column = axis.column(&p);
                 let swing = axis.angular.cross(&(rate - inner)) + turning.cross(&column);
-                // an anchor that is none moves with the point
+                // a point without an anchor has no slip that could change
                 let drag = if anchor.is_some() { column } else { Vec3::zeros() };
                 let of = |dp: &Vec3, slip: &Vec3, dv: &Vec3| {
                     f.d_z * dp.y
@@ -233,7 +234,7 @@ impl Physics {
                 let none = Vec3::zeros();
                 let by_pose = of(&column, &drag, &swing);
                 let by_rate = of(&none, &none, &column);
-                // the root's own slide carries the point about which moments are taken
+                // moments are about the root's origin, which moves along with the root's own slides
                 let moved = if k < 3 { none } else { column };
                 let moment = moved.cross(&f.force) + (p - origin).cross(&by_pose);
                 put(&mut out.by[0], k, &(zero * by_pose), &(zero * moment));

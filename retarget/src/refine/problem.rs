@@ -10,14 +10,14 @@ use motion::{Clip, Derivatives, Kinematics, Vec3};
 
 use super::band::Band;
 use super::basis::{Active, Basis, Stencils};
-use super::local::Local;
-use super::physics::{Forces, Ground, Physics, Slopes};
-use super::solids::{Solids, Touch};
-use super::{CONE_SHARE, GRAVITY, INDEPENDENT_S, LEAST_DEVIATION_M, REFERENCE_KG, SLIP_M};
+use super::local::FrameQuadratic;
+use super::physics::{Forces, GroundSlope, Physics, Slopes};
+use super::solids::{Penetration, Solids};
+use super::{CONE_SHARE, INDEPENDENT_S, LEAST_DEVIATION_M, REFERENCE_KG, SLIP_M};
 use crate::Puppet;
-use crate::axes::Axes;
-use crate::limits::{way_back, way_back_slopes};
-use crate::options::{CONE, RefineDofs, RefineOptions};
+use crate::options::{CONE, RefineDofs, RefineOptions, WorldOptions};
+use motion::ik::JointAxes;
+use motion::limits::{tangent_correction, tangent_correction_slopes};
 
 /// Cost of a joint's way beyond its limits, 1/rad².
 const LIMIT: f64 = 1e4;
@@ -34,6 +34,7 @@ pub(super) struct Setting<'a> {
     pub puppet: &'a Puppet,
     pub anchors: &'a [Vec<Option<[f64; 2]>>],
     pub variance: &'a [f64],
+    pub world: &'a WorldOptions,
     pub options: &'a RefineOptions,
     pub solids: Option<&'a Solids>,
     pub length_m: f64,
@@ -74,7 +75,7 @@ pub(super) struct Problem<'a> {
     /// Feature points of the clip that is refined, per frame.
     reference: Vec<Vec3>,
     k: Kinematics,
-    axes: Axes,
+    axes: JointAxes,
 }
 
 impl<'a> Problem<'a> {
@@ -123,9 +124,9 @@ impl<'a> Problem<'a> {
             stretch.functions.clone().flat_map(|f| columns.iter().map(move |c| w[f * d + *c])).collect();
         Self {
             begin,
-            physics: Physics::new(puppet, setting.penalty, Vec3::y() * -GRAVITY),
+            physics: Physics::new(puppet, setting.penalty, Vec3::y() * -setting.world.gravity_m_s2),
             force: forces.then_some(weights),
-            axes: Axes::new(s),
+            axes: JointAxes::new(s),
             base,
             setting,
             stretch,
@@ -184,7 +185,7 @@ impl<'a> Problem<'a> {
         if !self.setting.anchors[frame].iter().any(Option::is_some) {
             return None;
         }
-        let (mu, across) = (CONE_SHARE * self.setting.options.friction, f.required.x.hypot(f.required.z));
+        let (mu, across) = (CONE_SHARE * self.setting.world.friction, f.required.x.hypot(f.required.z));
         let beyond = across - mu * f.required.y;
         let out = if across > 1e-9 { 1.0 / across } else { 0.0 };
         (beyond > 0.0).then(|| (beyond, Vec3::new(f.required.x * out, -mu, f.required.z * out)))
@@ -197,7 +198,7 @@ impl<'a> Problem<'a> {
     }
 
     /// Weight of a point's squared way in a frame: k₂ dt/(τ n σ²).
-    fn stay(&self, frame: usize) -> f64 {
+    fn prior_weight(&self, frame: usize) -> f64 {
         let n = self.setting.puppet.features.points.len() as f64;
         let variance = self.setting.variance[frame].max(LEAST_DEVIATION_M * LEAST_DEVIATION_M);
         self.setting.options.k2 / (variance * n * INDEPENDENT_S * self.base.rate_hz)
@@ -209,7 +210,7 @@ impl<'a> Problem<'a> {
         let nv = clip.skeleton.nv();
         let mut sum = 0.5 * w.iter().map(|x| x * x).sum::<f64>();
         let points = self.setting.puppet.features.points.len();
-        let mut touches: Vec<Touch> = Vec::new();
+        let mut touches: Vec<Penetration> = Vec::new();
         for (i, frame) in self.counted() {
             let (q, at) = (clip.pose(i), i * nv..(i + 1) * nv);
             if let Some(weights) = self.force {
@@ -229,23 +230,25 @@ impl<'a> Problem<'a> {
                 .zip(&self.reference[i * points..])
                 .map(|(p, r)| (self.k.point(p.link, &p.at) - r).norm_squared())
                 .sum();
-            sum += 0.5 * self.stay(frame) * away;
+            sum += 0.5 * self.prior_weight(frame) * away;
             let slips = self.slips(frame).map(|(_, _, slip)| slip.norm_squared()).sum::<f64>();
             sum += 0.5 * slips / self.slip_m().powi(2);
             let links = 0..clip.skeleton.links().len();
-            let beyond: f64 =
-                links.filter_map(|l| way_back(&clip.skeleton, q, l)).map(|e| e.norm_squared()).sum();
+            let beyond: f64 = links
+                .filter_map(|l| tangent_correction(&clip.skeleton, q, l))
+                .map(|e| e.norm_squared())
+                .sum();
             sum += 0.5 * LIMIT * beyond;
             if let Some(solids) = self.setting.solids {
                 touches.clear();
-                solids.touches(&self.k, &mut touches);
+                solids.penetrations(&self.k, &mut touches);
                 sum += 0.5 * TOUCH * touches.iter().map(|t| t.depth_m * t.depth_m).sum::<f64>();
             }
         }
         sum
     }
 
-    /// Slip that costs one half, m: what gets out of a collision has no need of friction.
+    /// Slip that costs one half, m. Without forces it is a tenth: the pass against collisions must not move the feet.
     fn slip_m(&self) -> f64 {
         if self.force.is_some() { SLIP_M } else { 0.1 * SLIP_M }
     }
@@ -267,7 +270,7 @@ impl<'a> Problem<'a> {
     pub(super) fn linearise(
         &mut self,
         (clip, w): (&Clip, &[f64]),
-        ground: Ground,
+        ground: GroundSlope,
         normal: &mut Band,
         metric: &mut Band,
         gradient: &mut [f64],
@@ -281,7 +284,8 @@ impl<'a> Problem<'a> {
         }
         gradient.copy_from_slice(w);
         let mut slopes = Slopes::new(nv);
-        let (mut local, mut stiff, mut none) = (Local::new(d), Local::new(d), vec![0.0; gradient.len()]);
+        let (mut local, mut stiff, mut none) =
+            (FrameQuadratic::new(d), FrameQuadratic::new(d), vec![0.0; gradient.len()]);
         let down = self.base.skeleton.links()[0].parent_from_zero.rotation.inverse();
         for (i, frame) in self.counted() {
             let (q, at) = (clip.pose(i), i * nv..(i + 1) * nv);
@@ -313,17 +317,17 @@ impl<'a> Problem<'a> {
             self.geometry((i, frame), clip, q, &mut local);
             let active = &self.active[i];
             let first = active.first - self.stretch.functions.start;
-            local.carry(active, first, normal, gradient, self.force.is_some());
+            local.add_to(active, first, normal, gradient, self.force.is_some());
             if let Some(weights) = self.force {
                 stiff.clear();
                 self.stiffness(weights[1], &mut stiff);
-                stiff.carry(active, first, metric, &mut none, false);
+                stiff.add_to(active, first, metric, &mut none, false);
             }
         }
     }
 
     /// Metric of one frame: how far the forces of the ground change with the contact points.
-    fn stiffness(&self, unit: f64, local: &mut Local) {
+    fn stiffness(&self, unit: f64, local: &mut FrameQuadratic) {
         let puppet = self.setting.puppet;
         let sites = puppet.character.skeleton.sites();
         let least = LEAST_STIFFNESS * self.setting.penalty.k_p;
@@ -336,12 +340,12 @@ impl<'a> Problem<'a> {
     }
 
     /// Terms that depend on the pose only.
-    fn geometry(&mut self, (i, frame): (usize, usize), clip: &Clip, q: &[f64], local: &mut Local) {
+    fn geometry(&mut self, (i, frame): (usize, usize), clip: &Clip, q: &[f64], local: &mut FrameQuadratic) {
         let puppet = self.setting.puppet;
         self.k.update(&clip.skeleton, q);
         self.axes.update(&clip.skeleton, &self.k);
         let points = &puppet.features.points;
-        let weight = self.stay(frame);
+        let weight = self.prior_weight(frame);
         for (p, r) in points.iter().zip(&self.reference[i * points.len()..]) {
             let at = self.k.point(p.link, &p.at);
             self.point(p.link, &at, &(at - r), weight, local);
@@ -355,7 +359,7 @@ impl<'a> Problem<'a> {
         self.limits(q, local, |local, r| local.add_row(r, local.d));
         if let Some(solids) = self.setting.solids {
             let mut touches = Vec::new();
-            solids.touches(&self.k, &mut touches);
+            solids.penetrations(&self.k, &mut touches);
             for t in &touches {
                 local.clear_row();
                 let mut put = |link: usize, at: &Vec3, sign: f64| {
@@ -375,12 +379,12 @@ impl<'a> Problem<'a> {
     }
 
     /// Joints of a pose beyond their limits: each is put into `local.row`, its residual handed on.
-    fn limits(&self, q: &[f64], local: &mut Local, mut put: impl FnMut(&mut Local, f64)) {
+    fn limits(&self, q: &[f64], local: &mut FrameQuadratic, mut put: impl FnMut(&mut FrameQuadratic, f64)) {
         let skeleton = &self.base.skeleton;
         for l in 0..skeleton.links().len() {
-            let Some(e) = way_back(skeleton, q, l) else { continue };
+            let Some(e) = tangent_correction(skeleton, q, l) else { continue };
             local.clear_row();
-            for (a, slope) in way_back_slopes(skeleton, q, l).into_iter().enumerate() {
+            for (a, slope) in tangent_correction_slopes(skeleton, q, l).into_iter().enumerate() {
                 if let Some(j) = self.moved[skeleton.v_at(l) + a] {
                     local.row[j] = LIMIT.sqrt() * slope;
                 }
@@ -392,11 +396,18 @@ impl<'a> Problem<'a> {
     /// Adds limits that a step ran beyond to the normal equations it was made of, as if they had been met already; returns
     /// what they add to the cost before the step, 0 if there are none.
     ///
-    /// A limit with residual `r` and slope J after a step Δ had `r − JΔ` before it: if that is not positive, the step knew
-    /// nothing of it. (Foreseeing touches in the same way gained nothing: a ball pushes another way after every step.)
-    pub(super) fn foresee(&self, moved: &Clip, step: &[f64], normal: &mut Band, gradient: &mut [f64]) -> f64 {
+    /// A limit with residual `r` and slope J after a step Δ had `r − JΔ` before it: if that is not positive, the limit was not
+    /// among the equations of the step. (Penetrations added in the same way gained nothing: the direction out of a ball is
+    /// another one after every step.)
+    pub(super) fn add_foreseen_limits(
+        &self,
+        moved: &Clip,
+        step: &[f64],
+        normal: &mut Band,
+        gradient: &mut [f64],
+    ) -> f64 {
         let d = self.dofs.len();
-        let (mut local, mut way, mut cost) = (Local::new(d), vec![0.0; d], 0.0);
+        let (mut local, mut way, mut cost) = (FrameQuadratic::new(d), vec![0.0; d], 0.0);
         for (i, _) in self.counted() {
             let active = &self.active[i];
             let first = active.first - self.stretch.functions.start;
@@ -415,14 +426,14 @@ impl<'a> Problem<'a> {
                 }
             });
             if found {
-                local.carry(active, first, normal, gradient, false);
+                local.add_to(active, first, normal, gradient, false);
             }
         }
         cost
     }
 
     /// ½ weight |error|² of a point.
-    fn point(&self, link: usize, at: &Vec3, error: &Vec3, weight: f64, local: &mut Local) {
+    fn point(&self, link: usize, at: &Vec3, error: &Vec3, weight: f64, local: &mut FrameQuadratic) {
         let d = local.d;
         local.chain.clear();
         for &dof in &self.axes.chain[link] {
@@ -440,7 +451,7 @@ impl<'a> Problem<'a> {
     }
 
     /// ½ (scale · error)² of a point's coordinate along a direction.
-    fn along(&self, link: usize, at: &Vec3, axis: &Vec3, error: f64, scale: f64, local: &mut Local) {
+    fn along(&self, link: usize, at: &Vec3, axis: &Vec3, error: f64, scale: f64, local: &mut FrameQuadratic) {
         local.clear_row();
         for &dof in &self.axes.chain[link] {
             if let Some(j) = self.moved[dof] {

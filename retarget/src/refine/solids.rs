@@ -4,8 +4,8 @@
 //! with balls along its longest directions, half a radius of overlap between neighbours, so that a capsule's
 //! surface is at most 14 % of its radius above theirs; distances are then between centres, with a direction
 //! wherever two centres are apart. Two links that touch in the rest pose or hang on one another are no
-//! collision, and others are one from the depth on that they have in a pose whose touches are meant; links with contact points, and those they hang on, may touch the ground: a shin is thicker than its ankle
-//! is high.
+//! collision; other pairs are one from the depth on that they have in an accepted pose. Links with contact points, and those
+//! they hang on, may touch the ground: a shin is thicker than its ankle is high.
 
 use motion::{Kinematics, Shape, Vec3};
 
@@ -20,7 +20,7 @@ struct Ball {
 
 /// Two points that should be apart: how deep they are in one another and which way out.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Touch {
+pub struct Penetration {
     /// Link and world position of the first point.
     pub first: (usize, Vec3),
     /// The second, on a link of the body; `None` where it belongs to the scene.
@@ -97,7 +97,7 @@ impl Solids {
             for pair in &mut pairs {
                 touching.clear();
                 out.between(&placed, (pair.0, pair.1, 0.0), &mut touching);
-                pair.2 = touching.iter().map(|t: &Touch| t.depth_m).fold(pair.2, f64::max);
+                pair.2 = touching.iter().map(|t: &Penetration| t.depth_m).fold(pair.2, f64::max);
             }
         }
         out.pairs = pairs;
@@ -123,7 +123,7 @@ impl Solids {
     }
 
     /// All penetrations of a pose, appended to `out`.
-    pub fn touches(&self, k: &Kinematics, out: &mut Vec<Touch>) {
+    pub fn penetrations(&self, k: &Kinematics, out: &mut Vec<Penetration>) {
         let placed = self.place(k);
         for &pair in &self.pairs {
             self.between(&placed, pair, out);
@@ -133,7 +133,7 @@ impl Solids {
             for (ball, p) in part.balls.iter().zip(&placed.balls[i]) {
                 let depth_m = ball.radius - p.y;
                 if depth_m > 0.0 {
-                    out.push(Touch { first: (part.link, *p), second: None, out: Vec3::y(), depth_m });
+                    out.push(Penetration { first: (part.link, *p), second: None, out: Vec3::y(), depth_m });
                 }
             }
         }
@@ -143,7 +143,7 @@ impl Solids {
                     let (distance, out_of) = distance(solid, p);
                     let depth_m = ball.radius - distance;
                     if depth_m > 0.0 {
-                        out.push(Touch { first: (part.link, *p), second: None, out: out_of, depth_m });
+                        out.push(Penetration { first: (part.link, *p), second: None, out: out_of, depth_m });
                     }
                 }
             }
@@ -151,7 +151,7 @@ impl Solids {
     }
 
     /// Where two links are deeper in one another than they may be.
-    fn between(&self, placed: &Placed, (a, b, free_m): (usize, usize, f64), out: &mut Vec<Touch>) {
+    fn between(&self, placed: &Placed, (a, b, free_m): (usize, usize, f64), out: &mut Vec<Penetration>) {
         let (first, second) = (&self.links[a], &self.links[b]);
         let reach = first.bound.radius + second.bound.radius - free_m;
         if apart(&placed.bounds[a], &placed.bounds[b], reach) {
@@ -170,7 +170,7 @@ impl Solids {
                 let depth_m = reach - way.norm();
                 if depth_m > 0.0 && way.norm() > 1e-9 {
                     let second = Some((second.link, *other));
-                    out.push(Touch { first: (first.link, *at), second, out: way.normalize(), depth_m });
+                    out.push(Penetration { first: (first.link, *at), second, out: way.normalize(), depth_m });
                 }
             }
         }
@@ -187,7 +187,7 @@ impl Part {
     fn new(link: usize, balls: Vec<Ball>) -> Option<Self> {
         let middle = balls.iter().map(|b| b.center).sum::<Vec3>() / balls.len() as f64;
         let reach = balls.iter().map(|b| (b.center - middle).norm() + b.radius).reduce(f64::max)?;
-        // a hair more, for rounding
+        // slightly larger, so that rounding excludes no ball
         let bound = Ball { center: middle, radius: reach * (1.0 + 1e-9) };
         Some(Self { link, balls, bound })
     }

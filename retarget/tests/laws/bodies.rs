@@ -1,10 +1,9 @@
 //! Bodies and clips that the laws are tried on.
 
-use std::path::Path;
 use std::sync::Arc;
 
-use dynamics::{Body, Character};
-use motion::format::bvh::{self, ImportOptions};
+use bodies::{Body, Character};
+use formats::bvh::{self, ImportOptions};
 use motion::{Clip, Kinematics, Limits, Shape, Skeleton, Smoothing, Transform, Vec3};
 use retarget::contacts::{Phase, adjust, phases};
 use retarget::global_transform::{global_transform, in_local_frame};
@@ -15,9 +14,9 @@ use retarget::{
 
 /// A clip of `../shared/mocap`, at 30 Hz, smoothed, on the performer's skeleton with the ground at 0.
 pub fn mocap(name: &str) -> (Performer, Clip) {
-    let path = format!("{}/../../shared/mocap/bvh/{name}.bvh", env!("CARGO_MANIFEST_DIR"));
+    let path = support::shared(&format!("mocap/bvh/{name}.bvh"));
     let options = ImportOptions { metres_per_unit: Some(0.0564444), ..ImportOptions::default() };
-    let (clip, _) = bvh::read_file(Path::new(&path), &options).unwrap();
+    let (clip, _) = bvh::read_file(&path, &options).unwrap();
     let performer = Performer::of_clip(&clip).unwrap();
     let human = retarget::prepare(&clip, &performer, Some(30.0), Smoothing::Auto, None).unwrap();
     (performer, human)

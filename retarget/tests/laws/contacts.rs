@@ -44,7 +44,7 @@ fn goals_fit_the_links_and_clear_the_ground() {
     let options = GlobalOptions { size: SizeRatio::Fixed(0.6), ..GlobalOptions::default() };
     let (moved, _) = global_transform(&performer, &human, &puppet, &local, &options);
     let found = phases::find(&performer, &human, &puppet, &ContactOptions::default()).unwrap();
-    let spans = phases::spans(&puppet, &found, &moved).unwrap();
+    let spans = phases::frames_of_phases(&puppet, &found, &moved).unwrap();
     let goals = held_paths(&puppet, &point_paths(&puppet, &moved), &spans, human.rate_hz);
     let sites = puppet.character.skeleton.sites();
     let (mut stretched, mut steps, mut low) = (0.0f64, 0, f64::INFINITY);
@@ -66,10 +66,10 @@ fn goals_fit_the_links_and_clear_the_ground() {
     assert!(steps >= 8 && low > 0.08, "{low}"); // 0.11 seen
 }
 
-/// A hop in a single frame is given time: the phases beside it give way, within bounds, and it is jerked less. Phases by hand
-/// do not.
+/// A hop in a single frame is given time: the phases beside it are shortened, within bounds, and it is jerked less. Phases by
+/// hand are not.
 #[test]
-fn phases_give_way_to_a_step_that_needs_time() {
+fn phases_are_shortened_beside_a_step_that_needs_time() {
     let (performer, human) = mocap("14_37");
     let puppet = puppet(scaled(&performer.character, 0.7, 1.0));
     let own = same_angles(&human, &puppet.character, 0.7);
@@ -108,7 +108,7 @@ fn phases_give_way_to_a_step_that_needs_time() {
         hurried.jerk_ratio, report.jerk_ratio
     );
     assert_eq!(phases.len(), given.len());
-    assert!(most > 0.0 && most <= options.give_s + 1e-9, "{most}");
+    assert!(most > 0.0 && most <= options.phase_slack_s + 1e-9, "{most}");
     assert!(report.jerk_ratio < 0.5 * hurried.jerk_ratio, "{report:?} {hurried:?}");
     assert!(report.slip_m < 1e-3, "{report:?}");
     // and it is a step, not a slide

@@ -7,7 +7,7 @@ use retarget::contacts::phases;
 use retarget::refine::refine;
 use retarget::{
     ContactPoint, Features, Follow, GplvmOptions, KeyPose, KeyPoses, Mapping, MappingModel, Options, Phase,
-    Puppet, RefineDofs, RefineOptions, RetargetError, run,
+    Puppet, RefineDofs, RefineOptions, RetargetError, WorldOptions, run,
 };
 
 use crate::bodies::{key_poses, mocap, puppet, same_angles, scaled};
@@ -68,7 +68,7 @@ fn bad_requests_are_told() {
     assert!(
         matches!(&e, RetargetError::NothingFollows { points, .. } if points.len() == body.contacts.len())
     );
-    let floating = dynamics::Character { contacts: Vec::new(), ..body.clone() };
+    let floating = bodies::Character { contacts: Vec::new(), ..body.clone() };
     let e = Puppet::new(floating, Vec::new()).unwrap_err();
     say(&e);
     assert!(matches!(e, RetargetError::NoContactPoint { .. }));
@@ -81,16 +81,22 @@ fn bad_requests_are_told() {
 
     let phase = |point: &str, from_s, to_s| vec![Phase { point: point.into(), from_s, to_s }];
     for given in [phase("heel_x", 0.0, 1.0), phase("heel_l_in", 1.0, 0.0), phase("heel_l_in", 0.0, 99.0)] {
-        let e = phases::spans(&puppet, &given, &own).unwrap_err();
+        let e = phases::frames_of_phases(&puppet, &given, &own).unwrap_err();
         say(&e);
         assert!(matches!(e, RetargetError::Phase { .. }));
     }
 
     let dofs = RefineDofs::Links(vec!["Hed".into()]);
     let o = RefineOptions { dofs, ..RefineOptions::default() };
-    let e = refine(&puppet, &own, &[], &vec![1e-3; own.frames()], &o).unwrap_err();
+    let e = refine(&puppet, &own, &[], &vec![1e-3; own.frames()], &WorldOptions::default(), &o).unwrap_err();
     say(&e);
     assert!(matches!(&e, RetargetError::RefineLink { hint, .. } if hint.contains("Head")));
+
+    let mut o = Options::default();
+    o.world.gravity_m_s2 = 0.0;
+    let e = run(&human, &performer, &puppet, &keys, &o).unwrap_err();
+    say(&e);
+    assert!(matches!(e, RetargetError::Option { name, .. } if name.starts_with("gravity")));
 
     let o = Options { rate_hz: Some(-1.0), ..Options::default() };
     let e = run(&human, &performer, &puppet, &keys, &o).unwrap_err();

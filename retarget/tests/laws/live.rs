@@ -3,7 +3,9 @@
 use motion::{Kinematics, Smoothing, Vec3};
 use retarget::contacts::phases::own_floors;
 use retarget::live::LAND_S;
-use retarget::{Live, Mapping, MappingModel, Options, Performer, RetargetError, SizeRatio, Stage, run};
+use retarget::{
+    Live, Mapping, MappingModel, Options, Performer, PipelineStage, RetargetError, SizeRatio, run,
+};
 
 use crate::bodies::{key_poses, mocap, puppet, raise_left_sole, scaled};
 
@@ -19,7 +21,7 @@ fn the_pipeline_runs_to_the_stage_it_is_told() {
     let (performer, human) = mocap("16_21");
     let puppet = puppet(scaled(&performer.character, 0.5, 1.0));
     let keys = key_poses(&performer, &human, &puppet, 0.5, 5);
-    let stages = [Stage::Map, Stage::Global, Stage::Contact, Stage::Refine];
+    let stages = [PipelineStage::Map, PipelineStage::Global, PipelineStage::Contact, PipelineStage::Refine];
     for (n, stop_after) in stages.into_iter().enumerate() {
         let o = Options { stop_after, ..options() };
         let r = run(&human, &performer, &puppet, &keys, &o).unwrap();
@@ -35,10 +37,10 @@ fn the_pipeline_runs_to_the_stage_it_is_told() {
         }
     }
     for model in MappingModel::ALL {
-        let o = Options { model, stop_after: Stage::Map, ..options() };
+        let o = Options { model, stop_after: PipelineStage::Map, ..options() };
         let r = run(&human, &performer, &puppet, &keys, &o).unwrap();
         let fit = r.mapping.fit_rms_m.iter().sum::<f64>() / human.frames() as f64;
-        println!("{model}: points fit within {:.1} mm, {} jumps", 1e3 * fit, r.mapping.jumps.len());
+        println!("{model:?}: points fit within {:.1} mm, {} jumps", 1e3 * fit, r.mapping.jumps.len());
         assert!(r.clip.data().iter().all(|x| x.is_finite()));
     }
 }

@@ -3,7 +3,7 @@
 use motion::{Clip, Kinematics, Vec3};
 use retarget::refine::refine;
 use retarget::refine::solids::Solids;
-use retarget::{RefineDofs, RefineOptions, RefinementReport};
+use retarget::{RefineDofs, RefineOptions, RefinementReport, WorldOptions};
 
 use crate::bodies::{Held, held};
 
@@ -39,7 +39,7 @@ fn the_root_s_height_matches_the_vertical_force() {
         let Held { puppet, clip: held, phases: found, .. } = held(clip, size, legs);
         let variance = vec![4e-4; held.frames()];
         let options = RefineOptions { collisions: false, ..RefineOptions::default() };
-        let (_, r) = refine(&puppet, &held, &found, &variance, &options).unwrap();
+        let (_, r) = refine(&puppet, &held, &found, &variance, &WorldOptions::default(), &options).unwrap();
         say(&format!("{clip} × {size}, height"), &r);
         assert!(falls(&r).0 >= 0.8, "{clip}"); // 93 % seen of a walk, 99.9 % of standing
         assert!(r.root_median_m <= 0.02 && r.slip_m <= 2e-3);
@@ -48,16 +48,38 @@ fn the_root_s_height_matches_the_vertical_force() {
 
 /// With root and legs, all six components.
 #[test]
-fn root_and_legs_match_all_six() {
+fn slow_root_and_legs_match_all_six() {
     for (clip, size, legs) in CLIPS {
         let Held { puppet, clip: held, phases: found, .. } = held(clip, size, legs);
         let variance = vec![4e-4; held.frames()];
         let options = RefineOptions { dofs: RefineDofs::RootAndLegs, ..RefineOptions::default() };
-        let (_, r) = refine(&puppet, &held, &found, &variance, &options).unwrap();
+        let (_, r) = refine(&puppet, &held, &found, &variance, &WorldOptions::default(), &options).unwrap();
         say(&format!("{clip} × {size}, root and legs"), &r);
         assert!(falls(&r).1 >= 0.8, "{clip}"); // 88 % seen of a walk, 99.8 % of standing
         assert!(r.root_median_m <= 0.02 && r.slip_m <= 2e-3);
     }
+}
+
+/// Gravity and friction are those of the world: a body weighs what it weighs there, and a slippery ground has a narrow cone.
+#[test]
+fn the_world_says_what_a_body_weighs_and_where_it_slips() {
+    let Held { puppet, clip, phases: found, .. } = held("16_21", 0.6, 0.8);
+    let variance = vec![4e-4; clip.frames()];
+    let options = RefineOptions { collisions: false, iterations: 1, ..RefineOptions::default() };
+    let on = |gravity_m_s2: f64, friction: f64| {
+        let world = WorldOptions { gravity_m_s2, friction, ..WorldOptions::default() };
+        refine(&puppet, &clip, &found, &variance, &world, &options).unwrap().1
+    };
+    let (earth, mars, ice) = (on(9.81, 0.8), on(3.71, 0.8), on(9.81, 0.02));
+    let mean = |r: &RefinementReport| {
+        r.required_before.iter().map(|f| f.y).sum::<f64>() / r.required_before.len() as f64
+    };
+    let mass = puppet.character.mass();
+    assert!((earth.weight_n - mass * 9.81).abs() < 1e-9 && (mars.weight_n - mass * 3.71).abs() < 1e-9);
+    let lighter = mean(&earth) - mean(&mars);
+    assert!((lighter - mass * 6.1).abs() < 1e-6 * mass, "{lighter}"); // accelerations are the same
+    println!("outside the cone: {} frames, on ice {}", earth.cone_before.len(), ice.cone_before.len());
+    assert!(ice.cone_before.len() > earth.cone_before.len() + clip.frames() / 10);
 }
 
 /// A body that hovers above the ground it should stand on feels nothing of it, and comes down all the same.
@@ -72,7 +94,7 @@ fn the_ground_is_found_from_above() {
         }
         let variance = vec![4e-4; clip.frames()];
         let options = RefineOptions { collisions: false, ..RefineOptions::default() };
-        let (_, r) = refine(&puppet, &clip, &found, &variance, &options).unwrap();
+        let (_, r) = refine(&puppet, &clip, &found, &variance, &WorldOptions::default(), &options).unwrap();
         say(&format!("{above_m} m above the ground"), &r);
         assert!(falls(&r).0 >= 0.99, "{above_m}"); // 99.98 % seen; 33 % from 5 mm by tangents alone
         assert!((r.root_median_m - above_m).abs() < 0.003, "{above_m}"); // and sinks in by 1.5 mm
@@ -99,9 +121,9 @@ fn touches_of_arms_and_of_legs_in_one_clip() {
         };
         let is = |q: &Vec<f64>| {
             let mut found = Vec::new();
-            solids.touches(&Kinematics::new(&s, q), &mut found);
+            solids.penetrations(&Kinematics::new(&s, q), &mut found);
             let deep = found.iter().filter(|t| t.depth_m > 0.002);
-            let of_legs = |t: &retarget::refine::solids::Touch| {
+            let of_legs = |t: &retarget::refine::solids::Penetration| {
                 stands(t.first.0) && t.second.is_some_and(|(l, _)| stands(l))
             };
             let all: Vec<bool> = deep.map(of_legs).collect();
@@ -112,7 +134,9 @@ fn touches_of_arms_and_of_legs_in_one_clip() {
     let (arm, leg) = (touching(false), touching(true));
     let q = (0..750).flat_map(|i| if i < 120 { arm.clone() } else { leg.clone() }).collect();
     let long = Clip::new(s, 30.0, q);
-    let (_, r) = refine(&puppet, &long, &[], &vec![4e-4; 750], &RefineOptions::default()).unwrap();
+    let (_, r) =
+        refine(&puppet, &long, &[], &vec![4e-4; 750], &WorldOptions::default(), &RefineOptions::default())
+            .unwrap();
     say("arms, then legs", &r);
     assert!(r.collision_m[1] <= r.collision_m[0]);
 }

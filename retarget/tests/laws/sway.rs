@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use dynamics::{Body, Character, JointClass};
+use bodies::{Body, Character, JointClass};
 use motion::{Clip, Joint, Link, Skeleton, Vec3};
 use nalgebra::Matrix3;
 use retarget::{ContactPoint, Follow, Puppet, Sway, sway};
@@ -43,7 +43,7 @@ fn puppet(frequency_hz: f64, damping_ratio: f64) -> Puppet {
 fn a_still_tail_stays() {
     let p = puppet(1.0, 0.3);
     let clip = Clip::new(p.character.skeleton.clone(), 30.0, p.character.rest.repeat(60));
-    let (out, report) = sway(&p, &clip);
+    let (out, report) = sway(&p, &clip, 9.81);
     assert!(report.most_rad < 1e-12, "{report:?}");
     assert_eq!(out.frames(), 60);
 }
@@ -59,7 +59,7 @@ fn it_swings_at_its_frequency() {
         pose[0] = if i > 10 { 0.02 } else { 0.0 }; // a step to the side
         q.extend(pose);
     }
-    let (out, report) = sway(&p, &Clip::new(p.character.skeleton.clone(), rate, q));
+    let (out, report) = sway(&p, &Clip::new(p.character.skeleton.clone(), rate, q), 9.81);
     let s = &out.skeleton;
     let yaw: Vec<f64> = (0..480).map(|i| motion::rotation::log(&s.rotation(out.pose(i), 1)).y).collect();
     let crossings: Vec<usize> = (60..479).filter(|&i| yaw[i] < 0.0 && yaw[i + 1] >= 0.0).collect();
@@ -79,10 +79,10 @@ fn only_the_tail_moves() {
         pose
     });
     let clip = Clip::new(p.character.skeleton.clone(), 30.0, q.collect());
-    let (out, report) = sway(&p, &clip);
+    let (out, report) = sway(&p, &clip, 9.81);
     assert!(report.most_rad > 0.01);
     for i in 0..60 {
         assert_eq!(out.pose(i)[..7], clip.pose(i)[..7]);
     }
-    assert_eq!(sway(&p, &clip).0, out);
+    assert_eq!(sway(&p, &clip, 9.81).0, out);
 }

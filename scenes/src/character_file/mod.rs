@@ -1,6 +1,6 @@
 //! Characters as RON.
 //!
-//! In: a `.ron` file in metres, kilograms and degrees. Out: a checked [`Character`](dynamics::Character), or a
+//! In: a `.ron` file in metres, kilograms and degrees. Out: a checked [`Character`](bodies::Character), or a
 //! [`SceneError`](crate::SceneError) at the very value that is wrong. [`write()`] is the inverse, to the digits written.
 //!
 //! Links may stand in any order and name their parents; inertia is `(xx, yy, zz, xy, xz, yz)` about
@@ -8,6 +8,7 @@
 //! [`angle`](crate::angle).
 
 mod read;
+mod read_link;
 mod schema;
 mod write;
 
@@ -16,7 +17,7 @@ pub use write::write;
 
 /// The text of `characters/human.ron`.
 pub fn human_text() -> String {
-    let (character, _) = dynamics::anthropometry::human::human();
+    let (character, _) = bodies::anthropometry::human::human();
     let comment = "\
 The standard figure: 1.75 m, 75 kg, 19 links, 52 degrees of freedom.
 
@@ -27,6 +28,6 @@ Masses, centres and inertias: de Leva 1996, Table 4 (men). Lengths: Drillis & Co
 Boone & Azen 1979, AAOS 1965, Inman 1944, widened for dance; swing about two axes, twist about the bone.
 
 Made by: cargo run --release -p scenes --example make_human
-The rules are in dynamics/src/anthropometry: change them there, not here.";
+The rules are in bodies/src/anthropometry: change them there, not here.";
     write(&character, comment)
 }

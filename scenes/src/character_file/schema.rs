@@ -2,10 +2,12 @@
 
 use std::collections::BTreeMap;
 
-use dynamics::JointClass;
+use bodies::JointClass;
+use motion::LimbKind;
 use serde::Deserialize;
 
 use crate::angle::Angle;
+use crate::schema::Named;
 
 pub(super) type V3 = (f64, f64, f64);
 
@@ -50,7 +52,7 @@ pub(super) struct LinkRon {
     pub(super) joint: JointRon,
     pub(super) limits_deg: Option<LimitsRon>,
     pub(super) limits_m: Option<(f64, f64)>,
-    pub(super) class: ClassRon,
+    pub(super) class: Named<JointClass>,
     pub(super) density_kg_m3: Option<f64>,
     pub(super) mass_kg: Option<f64>,
     pub(super) com_m: Option<V3>,
@@ -76,22 +78,6 @@ pub(super) enum JointRon {
 pub(super) enum LimitsRon {
     Hinge(f64, f64),
     Ball { axes: (V3, V3, V3), swing_1: (f64, f64), swing_2: (f64, f64), twist: (f64, f64) },
-}
-
-#[derive(Clone, Copy, Deserialize)]
-#[serde(rename = "class")]
-pub(super) enum ClassRon {
-    Root,
-    Spine,
-    Neck,
-    Clavicle,
-    Shoulder,
-    Elbow,
-    Wrist,
-    Hip,
-    Knee,
-    Ankle,
-    Other,
 }
 
 #[derive(Clone, Copy, Deserialize)]
@@ -138,18 +124,11 @@ pub(super) enum FollowRon {
     All(Vec<String>),
 }
 
-#[derive(Clone, Copy, Deserialize)]
-#[serde(rename = "limb kind")]
-pub(super) enum KindRon {
-    Arm,
-    Leg,
-}
-
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields, rename = "Limb")]
 pub(super) struct LimbRon {
     pub(super) name: String,
-    pub(super) kind: KindRon,
+    pub(super) kind: Named<LimbKind>,
     pub(super) upper: String,
     pub(super) lower: String,
     pub(super) end: String,
@@ -162,21 +141,4 @@ pub(super) struct RestRon {
     pub(super) root_m: V3,
     #[serde(default)]
     pub(super) joints_deg: BTreeMap<String, Angle>,
-}
-
-/// The class a file names.
-pub(super) fn class(c: ClassRon) -> JointClass {
-    match c {
-        ClassRon::Root => JointClass::Root,
-        ClassRon::Spine => JointClass::Spine,
-        ClassRon::Neck => JointClass::Neck,
-        ClassRon::Clavicle => JointClass::Clavicle,
-        ClassRon::Shoulder => JointClass::Shoulder,
-        ClassRon::Elbow => JointClass::Elbow,
-        ClassRon::Wrist => JointClass::Wrist,
-        ClassRon::Hip => JointClass::Hip,
-        ClassRon::Knee => JointClass::Knee,
-        ClassRon::Ankle => JointClass::Ankle,
-        ClassRon::Other => JointClass::Other,
-    }
 }

@@ -2,7 +2,8 @@
 
 use std::fmt::Write as _;
 
-use dynamics::Character;
+use bodies::Character;
+use motion::names::Word;
 use motion::{Joint, Limits, Link, Range, Shape, Vec3};
 
 use crate::angle::deg_from_quat;
@@ -50,8 +51,9 @@ pub fn write(c: &Character, comment: &str) -> String {
         let [upper, lower, end] = [l.upper, l.lower, l.end].map(|i| &links[i].name);
         let _ = writeln!(
             out,
-            "        Limb(name: {:?}, kind: {:?}, upper: {upper:?}, lower: {lower:?}, end: {end:?}),",
-            l.name, l.kind
+            "        Limb(name: {:?}, kind: {}, upper: {upper:?}, lower: {lower:?}, end: {end:?}),",
+            l.name,
+            l.kind.identifier()
         );
     }
     out += "    ],\n    // Sets of links; each limb is one of its own name.\n    parts: {\n";
@@ -97,7 +99,7 @@ fn write_link(out: &mut String, c: &Character, i: usize, link: &Link) {
         Joint::Prismatic(a) => axis("Slide", a),
         Joint::Fixed => "Fixed".into(),
     };
-    line(format!("{head}, joint: {joint}, class: {:?}", c.classes[i]));
+    line(format!("{head}, joint: {joint}, class: {}", c.classes[i].identifier()));
     let t = &link.parent_from_zero;
     line(format!("offset_m: {}", list(t.translation.vector.as_slice(), 6)));
     let turn = list(&deg_from_quat(&t.rotation), 6);

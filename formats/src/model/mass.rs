@@ -1,0 +1,143 @@
+//! Mass and inertia of the bodies of a model file, and whether a solid could have them.
+//!
+//! In: bodies with explicit inertia or geoms. Out: mass, centre of mass and inertia about it, along the
+//! body's axes. Every fault names the body and the place of its `<inertial>`, geom or joint.
+
+use crate::model_file::{FileBody, FileJoint, ModelFile, Place};
+use motion::Vec3;
+use nalgebra::{DMatrix, Matrix3, Point3};
+
+use super::{ImportError, ImportedJoint, solid};
+use bodies::Character;
+use bodies::mass::fuse;
+use dynamics::{Model, State};
+
+/// Mass, centre of mass (body's frame, m) and inertia about it (body's axes, kg·m²).
+pub type MassOf = (f64, Vec3, Matrix3<f64>);
+
+/// Name of a body for messages.
+pub fn title(file: &ModelFile, body: usize) -> String {
+    file.bodies[body].name.clone().unwrap_or_else(|| format!("body{body}"))
+}
+
+/// Masses of all bodies but a base that is only scenery (its mass is zero).
+pub fn masses(file: &ModelFile, base_counts: bool) -> Result<Vec<MassOf>, ImportError> {
+    let none = (0.0, Vec3::zeros(), Matrix3::zeros());
+    let mut all = Vec::new();
+    for (i, body) in file.bodies.iter().enumerate() {
+        all.push(if i == 0 && !base_counts { none } else { mass_of(file, i, body)? });
+    }
+    if let Some(total) = file.total_mass {
+        let sum: f64 = all.iter().map(|m| m.0).sum();
+        if sum > 0.0 {
+            for (mass, _, inertia) in &mut all {
+                *mass *= total / sum;
+                *inertia *= total / sum;
+            }
+        }
+    }
+    Ok(all)
+}
+
+fn mass_of(file: &ModelFile, at: usize, body: &FileBody) -> Result<MassOf, ImportError> {
+    if let Some(inertial) = &body.inertial {
+        check(file, at, inertial.mass, &inertial.inertia, &inertial.place)?;
+        let r = inertial.pose.rotation.to_rotation_matrix();
+        let inertia = r.matrix() * inertial.inertia * r.matrix().transpose();
+        return Ok((inertial.mass, inertial.pose.translation.vector, inertia));
+    }
+    let mut sum = (0.0, Vec3::zeros(), Matrix3::zeros());
+    for geom in body.geoms.iter().filter(|g| g.counts) {
+        let mesh = || ImportError::MeshMass { body: title(file, at), place: geom.place.clone() };
+        let mass = solid::mass(&geom.shape, &geom.weight).ok_or_else(mesh)?;
+        if mass == 0.0 {
+            continue;
+        }
+        let principal = solid::inertia_per_mass(&geom.shape).ok_or_else(mesh)? * mass;
+        let own = Matrix3::from_diagonal(&principal);
+        check(file, at, mass, &own, &geom.place)?;
+        let r = geom.pose.rotation.to_rotation_matrix();
+        let inertia = r.matrix() * own * r.matrix().transpose();
+        let com = (geom.pose * Point3::origin()).coords;
+        sum = fuse(sum, (mass, com, inertia));
+    }
+    Ok(sum)
+}
+
+/// No mass and no inertia, or both positive and the triangle inequality kept.
+fn check(
+    file: &ModelFile,
+    at: usize,
+    mass: f64,
+    inertia: &Matrix3<f64>,
+    place: &Place,
+) -> Result<(), ImportError> {
+    if mass == 0.0 && *inertia == Matrix3::zeros() {
+        return Ok(());
+    }
+    let (body, place) = (title(file, at), place.clone());
+    if mass <= 0.0 || !mass.is_finite() {
+        return Err(ImportError::Mass { body, mass, place });
+    }
+    if !inertia.iter().all(|x| x.is_finite()) {
+        return Err(ImportError::Inertia { body, principal: [f64::NAN; 3], place });
+    }
+    let mut principal: [f64; 3] = inertia.symmetric_eigenvalues().into();
+    principal.sort_by(f64::total_cmp);
+    if principal[0] <= 0.0 {
+        return Err(ImportError::Inertia { body, principal, place });
+    }
+    // equality holds for a flat plate; 1e-9 is rounding of written files
+    if principal[2] > (principal[0] + principal[1]) * (1.0 + 1e-9) {
+        return Err(ImportError::Triangle { body, principal, place });
+    }
+    Ok(())
+}
+
+/// Every joint must move something that resists, whatever the joints it carries do.
+///
+/// M = LᵀDL from the tips inward: Dᵢ is the inertia about axis i of all it carries, the joints further out
+/// left free (Featherstone 2008, §8.5). It is zero where two axes coincide with no mass between them, or
+/// where nothing outboard has mass. One pose without symmetries stands for all.
+pub fn check_axes(
+    file: &ModelFile,
+    character: &Character,
+    joints: &[ImportedJoint],
+    origin: &[(usize, usize)],
+) -> Result<(), ImportError> {
+    let model = Model::new(character, Vec3::zeros());
+    let mut state = State::new(&model);
+    let n = model.nv();
+    let skeleton = &character.skeleton;
+    let mut q = character.rest.clone();
+    let turn: Vec<f64> = (0..n).map(|i| 0.4 + 0.3 * (1.7 * i as f64).sin()).collect();
+    skeleton.integrate(&mut q, &turn, 1.0);
+    state.update(&model, &q, &vec![0.0; n]);
+    let mut m = DMatrix::zeros(n, n);
+    state.mass_matrix(&model, &mut m);
+    let diagonal: Vec<f64> = m.diagonal().iter().copied().collect();
+    let mut bad = None;
+    for k in (0..n).rev() {
+        let pivot = m[(k, k)];
+        // the least share of any model of the test data is 0.008; rounding leaves 1e-16
+        if pivot <= 1e-10 * diagonal[k] || !pivot.is_finite() {
+            bad = Some(k);
+            break;
+        }
+        for i in 0..k {
+            let factor = m[(i, k)] / pivot;
+            for j in 0..k {
+                m[(i, j)] -= factor * m[(k, j)];
+            }
+        }
+    }
+    let Some(dof) = bad else { return Ok(()) };
+    let at = joints.iter().rposition(|j| skeleton.v_at(j.link) <= dof).unwrap_or(0);
+    let (body, joint) = origin[at];
+    let source: &FileJoint = &file.bodies[body].joints[joint];
+    Err(ImportError::NoInertia {
+        joint: joints[at].name.clone(),
+        body: title(file, body),
+        place: source.place.clone(),
+    })
+}

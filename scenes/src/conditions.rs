@@ -1,0 +1,129 @@
+//! Conditions of a performance, as a file states them: what acts on the body, what holds it, how it is simulated.
+//!
+//! In: numbers of a scene, of a command line, of a patch. Out: plain values in SI units. What has a time keeps either the
+//! motion's or the world's ([`Clock`]): an edit that retimes the motion moves the first and leaves the second.
+
+use controllers::{BalanceSettings, GainBlend, Gaze};
+use dynamics::conditions::Carrying;
+use dynamics::conditions::{GRAVITY, Push, RootMode};
+use motion::floor::FRICTION;
+use motion::names::Word;
+use motion::{Floor, Tilt, Vec3};
+
+/// The engine that performs where no other is named.
+pub const ENGINE: &str = "rapier";
+
+/// Numbers of the dynamic pass.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Physics {
+    /// Control steps per second, Hz; `None`: near 240, whole steps per frame of a clip.
+    pub rate_hz: Option<f64>,
+    /// Engine substeps; `None`: as many as the stiffest joint needs, at least two.
+    pub substeps: Option<usize>,
+    /// Factor on every tension.
+    pub tension: f64,
+    /// What transitions interpolate.
+    pub blend: GainBlend,
+    /// What holds the root.
+    pub root: RootMode,
+    /// Gravity, m/s².
+    pub gravity: Vec3,
+    /// The ground, if any.
+    pub ground: Option<Floor>,
+    /// Parameters of the balance property.
+    pub balance: BalanceSettings,
+}
+
+impl Physics {
+    /// Those of a clip without a scene: root pinned, level ground.
+    pub fn of_clip() -> Self {
+        Self {
+            rate_hz: None,
+            substeps: None,
+            tension: 1.0,
+            blend: GainBlend::RestAngle,
+            root: RootMode::Pinned,
+            gravity: GRAVITY,
+            ground: Some(Floor::level(0.0, FRICTION)),
+            balance: BalanceSettings::default(),
+        }
+    }
+}
+
+/// Whose time something keeps.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Clock {
+    /// That of the motion: it happens at the same moment of the motion, wherever that is moved to.
+    #[default]
+    Motion,
+    /// That of the world: it happens when the scene says, whatever the motion does.
+    World,
+}
+
+impl Word for Clock {
+    const KIND: &'static str = "clock";
+    const WORDS: &'static [(Self, &'static str, &'static str)] = &[
+        (Self::Motion, "motion", "It happens at the same moment of the motion, wherever that is moved to"),
+        (Self::World, "world", "It happens when the scene says, whatever the motion does"),
+    ];
+}
+
+/// The names of grounds.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum GroundName {
+    /// None: the body hangs in the air.
+    None,
+    /// A plane.
+    Plane,
+}
+
+impl Word for GroundName {
+    const KIND: &'static str = "ground";
+    const WORDS: &'static [(Self, &'static str, &'static str)] = &[
+        (Self::None, "none", "The body hangs in the air"),
+        (Self::Plane, "plane", "A plane, level or tilted"),
+    ];
+}
+
+/// A condition with the clock of its times.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Timed<T> {
+    /// The condition, at the times that the file says.
+    pub value: T,
+    /// Whose time it keeps.
+    pub clock: Clock,
+}
+
+/// All conditions of a performance, as its file states them.
+#[derive(Clone, Debug)]
+pub struct ConditionsSpec {
+    /// Numbers of the dynamic pass.
+    pub physics: Physics,
+    /// Whether the file says how high its ground is; if not, a clip stands where its feet are.
+    pub height_given: bool,
+    /// Turns of the ground, in order of time.
+    pub tilts: Vec<Timed<Tilt>>,
+    /// Pushes from outside.
+    pub pushes: Vec<Timed<Push>>,
+    /// Masses carried.
+    pub carried: Vec<Timed<Carrying>>,
+    /// Gazes: reactive properties beside the balance.
+    pub gazes: Vec<Timed<Gaze>>,
+    /// Name of the engine that performs.
+    pub engine: String,
+}
+
+impl ConditionsSpec {
+    /// Those of a clip without a scene.
+    pub fn of_clip() -> Self {
+        Self {
+            physics: Physics::of_clip(),
+            height_given: false,
+            tilts: Vec::new(),
+            pushes: Vec::new(),
+            carried: Vec::new(),
+            gazes: Vec::new(),
+            engine: ENGINE.into(),
+        }
+    }
+}

@@ -1,0 +1,129 @@
+//! The motion of a scene that has no script, checked: a clip, or a human motion put on the character.
+//!
+//! In: `motion: …` of a scene file. Out: paths and options, or an error at the very value. Nothing is opened here.
+
+use std::path::{Path, PathBuf};
+
+use retarget::{GlobalOptions, RefineOptions, SizeRatio};
+
+use crate::schema::{MotionRon, SceneRon};
+use crate::{SceneError, library};
+
+use super::Check;
+use super::script::ScriptSpec;
+
+/// Where the motion of a scene comes from.
+#[derive(Clone, Debug)]
+pub enum SceneSource {
+    /// A script of poses.
+    Script(ScriptSpec),
+    /// A human motion, put on the scene's character.
+    Retarget(Box<RetargetSpec>),
+}
+
+impl SceneSource {
+    /// The script, if it is one.
+    pub fn script(&self) -> Option<&ScriptSpec> {
+        match self {
+            Self::Script(script) => Some(script),
+            Self::Retarget(_) => None,
+        }
+    }
+
+    /// The files it names.
+    pub fn files(&self) -> Vec<&PathBuf> {
+        match self {
+            Self::Script(_) => Vec::new(),
+            Self::Retarget(spec) => {
+                let files = [&spec.of].into_iter().chain(&spec.key_poses).chain(&spec.contacts);
+                files.collect()
+            }
+        }
+    }
+
+    /// What it is, for people: `script`, `clip walk.bvh`.
+    pub fn describe(&self) -> String {
+        match self {
+            Self::Script(_) => "script".into(),
+            Self::Retarget(spec) => format!("retargeted {}", spec.of.display()),
+        }
+    }
+}
+
+/// A human motion to be put on the character of a scene.
+#[derive(Clone, Debug)]
+pub struct RetargetSpec {
+    /// The performance or clip.
+    pub of: PathBuf,
+    /// The character's file.
+    pub to: PathBuf,
+    /// The key poses; `None` takes those beside the character.
+    pub key_poses: Option<PathBuf>,
+    /// Contact phases by hand; `None` finds them.
+    pub contacts: Option<PathBuf>,
+    /// How it is done.
+    pub options: retarget::Options,
+}
+
+impl Check<'_> {
+    /// Where the motion of a scene comes from.
+    pub(crate) fn motion(
+        &self,
+        ron: &SceneRon,
+        character: &Path,
+        script: ScriptSpec,
+    ) -> Result<SceneSource, SceneError> {
+        let Some(motion) = &ron.motion else { return Ok(SceneSource::Script(script)) };
+        let p = &ron.properties;
+        let inherits =
+            p.curve.is_some() || p.tension.is_some() || p.duration_s.is_some() || p.hold_s.is_some();
+        for (field, used) in [
+            ("script", !ron.script.is_empty()),
+            ("inserts", !ron.inserts.is_empty()),
+            ("footwork", !ron.footwork.is_empty()),
+            ("planted", ron.planted.is_some()),
+            ("settle_s", ron.settle_s.is_some()),
+            ("properties", inherits),
+        ] {
+            if used {
+                let e = format!("a scene has either a `motion` or a script; `{field}` is of a script");
+                return Err(self.source.error(field, e));
+            }
+        }
+        match motion {
+            MotionRon::Retarget { .. } => self.retarget(motion, character),
+        }
+    }
+
+    /// A human motion put on the character.
+    fn retarget(&self, motion: &MotionRon, character: &Path) -> Result<SceneSource, SceneError> {
+        let MotionRon::Retarget { of, keyposes, model, stop_after, size, refine, sway, contacts } = motion;
+        Ok(SceneSource::Retarget(Box::new(RetargetSpec {
+            of: self.source.beside("motion.of", "performance", of)?,
+            to: character.to_owned(),
+            key_poses: keyposes.as_ref().map(|k| library::beside(self.source.path(), k)),
+            contacts: match contacts {
+                Some(file) => Some(self.source.beside("motion.contacts", "file of contact phases", file)?),
+                None => None,
+            },
+            options: retarget::Options {
+                model: model.0,
+                stop_after: stop_after.0,
+                global: GlobalOptions { size: self.size(size.0)?, ..GlobalOptions::default() },
+                refine: RefineOptions { dofs: refine.0.clone(), ..RefineOptions::default() },
+                sway: *sway,
+                ..retarget::Options::default()
+            },
+        })))
+    }
+
+    fn size(&self, size: SizeRatio) -> Result<SizeRatio, SceneError> {
+        match size {
+            SizeRatio::Fixed(x) if !(x > 0.0 && x.is_finite()) => {
+                let e = format!("the size ratio is {x}; allowed: positive numbers");
+                Err(self.source.error("motion.size", e))
+            }
+            _ => Ok(size),
+        }
+    }
+}

@@ -1,0 +1,120 @@
+//! Words of edits: what is changed, where, by how much.
+
+use std::fmt;
+
+use edits::{Direction, Reference};
+use serde::Deserialize;
+use serde::de::{self, Deserializer, MapAccess, SeqAccess, Visitor};
+
+use super::word::Named;
+
+/// A parameter of an edit: a number, `[one, for, each, pose]`, `(over_time_s: [(t, x), …])` or
+/// `(over_repetition: [(n, x), …])`.
+#[derive(Clone, Debug, PartialEq)]
+pub enum ParameterRon {
+    /// One value.
+    Constant(f64),
+    /// One value for each pose selected.
+    PerPose(Vec<f64>),
+    /// Knots over time, s.
+    OverTime(Vec<(f64, f64)>),
+    /// Knots over repetitions, counted from 0.
+    OverRepetition(Vec<(f64, f64)>),
+}
+
+impl<'de> Deserialize<'de> for ParameterRon {
+    fn deserialize<D: Deserializer<'de>>(d: D) -> Result<Self, D::Error> {
+        struct Read;
+        impl<'de> Visitor<'de> for Read {
+            type Value = ParameterRon;
+            fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+                f.write_str("a number, [a, list, over, poses], (over_time_s: [(t, x), …]) or (over_repetition: [(n, x), …])")
+            }
+            fn visit_f64<E: de::Error>(self, x: f64) -> Result<Self::Value, E> {
+                Ok(ParameterRon::Constant(x))
+            }
+            fn visit_i64<E: de::Error>(self, x: i64) -> Result<Self::Value, E> {
+                Ok(ParameterRon::Constant(x as f64))
+            }
+            fn visit_u64<E: de::Error>(self, x: u64) -> Result<Self::Value, E> {
+                Ok(ParameterRon::Constant(x as f64))
+            }
+            fn visit_seq<A: SeqAccess<'de>>(self, mut seq: A) -> Result<Self::Value, A::Error> {
+                let mut values = Vec::new();
+                while let Some(x) = seq.next_element()? {
+                    values.push(x);
+                }
+                Ok(ParameterRon::PerPose(values))
+            }
+            fn visit_map<A: MapAccess<'de>>(self, mut map: A) -> Result<Self::Value, A::Error> {
+                const KNOWN: &[&str] = &["over_time_s", "over_repetition"];
+                let key: Option<String> = map.next_key()?;
+                let found = match key.as_deref() {
+                    Some("over_time_s") => ParameterRon::OverTime(map.next_value()?),
+                    Some("over_repetition") => ParameterRon::OverRepetition(map.next_value()?),
+                    Some(other) => return Err(de::Error::unknown_field(other, KNOWN)),
+                    None => return Err(de::Error::invalid_length(0, &self)),
+                };
+                match map.next_key::<String>()? {
+                    None => Ok(found),
+                    Some(other) => Err(de::Error::unknown_field(&other, &[])),
+                }
+            }
+        }
+        d.deserialize_any(Read)
+    }
+}
+
+/// An edit. `on`: labels as text, several by commas; empty is the whole motion. `repetition`: only
+/// this repetition of the cycle or pose named. `parts`: body parts, joints; empty is the whole body. `span_s`: from when to
+/// when, of clip edits.
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields, rename = "edit")]
+#[expect(missing_docs, reason = "fields of every variant as described above; parameters in `edits`")]
+pub enum EditRon {
+    Succession {
+        #[serde(default)]
+        on: String,
+        repetition: Option<usize>,
+        #[serde(default)]
+        parts: Vec<String>,
+        offset_s: ParameterRon,
+        #[serde(default)]
+        direction: Named<Direction>,
+    },
+    Amplitude {
+        #[serde(default)]
+        on: String,
+        repetition: Option<usize>,
+        #[serde(default)]
+        parts: Vec<String>,
+        factor: ParameterRon,
+        #[serde(default)]
+        reference: Named<Reference>,
+    },
+    ExtentShoulder {
+        #[serde(default)]
+        on: String,
+        repetition: Option<usize>,
+        #[serde(default)]
+        parts: Vec<String>,
+        extent: ParameterRon,
+    },
+    ExtentReach {
+        #[serde(default)]
+        on: String,
+        repetition: Option<usize>,
+        #[serde(default)]
+        parts: Vec<String>,
+        factor: ParameterRon,
+    },
+    Tension {
+        #[serde(default)]
+        on: String,
+        repetition: Option<usize>,
+        #[serde(default)]
+        parts: Vec<String>,
+        factor: Option<ParameterRon>,
+        absolute: Option<ParameterRon>,
+    },
+}

@@ -1,0 +1,154 @@
+//! Engines by name: the table from which a pass gets its engine.
+//!
+//! In: names and constructors. Out: an [`EngineEntry`], the value that [`Pass::start`](crate::Pass::start) builds its
+//! engine from. [`Engines::default`] knows the engine of this crate; a program adds others by
+//! [`register`](Engines::register), and nothing else has to know of them.
+
+use std::fmt;
+use std::sync::Arc;
+
+use bodies::Character;
+use motion::names::hint;
+use thiserror::Error;
+
+use crate::{Engine, EngineError, EngineSettings};
+
+/// A constructor: body, settings, first pose (`nq`) and first velocity (`nv`) to an engine in that state.
+type Build =
+    dyn Fn(&Character, EngineSettings, &[f64], &[f64]) -> Result<Box<dyn Engine>, EngineError> + Send + Sync;
+
+/// An engine that can be built: its name, one line about it, its constructor. Cheap to clone.
+#[derive(Clone)]
+pub struct EngineEntry {
+    name: Arc<str>,
+    description: Arc<str>,
+    build: Arc<Build>,
+}
+
+impl EngineEntry {
+    /// An entry of this name.
+    ///
+    /// `build` is given the body, the settings, the first pose (`nq`) and the first velocity (`nv`).
+    pub fn new(
+        name: &str,
+        description: &str,
+        build: impl Fn(&Character, EngineSettings, &[f64], &[f64]) -> Result<Box<dyn Engine>, EngineError>
+        + Send
+        + Sync
+        + 'static,
+    ) -> Self {
+        Self { name: name.into(), description: description.into(), build: Arc::new(build) }
+    }
+
+    /// The name by which it is chosen.
+    pub fn name(&self) -> &str {
+        &self.name
+    }
+
+    /// One line about it.
+    pub fn description(&self) -> &str {
+        &self.description
+    }
+
+    /// Builds the engine with the body at the pose `q` (`nq`) with the velocity `v` (`nv`).
+    ///
+    /// # Errors
+    /// [`EngineError`]: what the engine finds wrong.
+    pub fn build(
+        &self,
+        character: &Character,
+        settings: EngineSettings,
+        q: &[f64],
+        v: &[f64],
+    ) -> Result<Box<dyn Engine>, EngineError> {
+        (self.build)(character, settings, q, v)
+    }
+}
+
+impl fmt::Debug for EngineEntry {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_struct("EngineEntry").field("name", &self.name).finish_non_exhaustive()
+    }
+}
+
+impl Default for EngineEntry {
+    /// The engine that is used where none is chosen: rapier.
+    fn default() -> Self {
+        crate::rapier::engine()
+    }
+}
+
+/// A name that no engine has.
+#[derive(Clone, Debug, PartialEq, Eq, Error)]
+#[error("unknown engine `{name}`{hint} (allowed: {allowed})")]
+pub struct UnknownEngine {
+    /// The name asked for.
+    pub name: String,
+    /// The nearest name, as the end of a sentence.
+    hint: String,
+    /// All names there are.
+    pub allowed: String,
+}
+
+/// The engines of a program, by name, in the order in which they were registered.
+#[derive(Clone, Debug)]
+pub struct Engines(Vec<EngineEntry>);
+
+impl Default for Engines {
+    /// The default engine alone.
+    fn default() -> Self {
+        Self(vec![EngineEntry::default()])
+    }
+}
+
+impl Engines {
+    /// Adds an engine; one of the same name is replaced.
+    ///
+    /// # Examples
+    /// ```
+    /// use sim::{EngineError, Engines};
+    /// let mut engines = Engines::default();
+    /// let none = |_: &_, _, _: &[f64], _: &[f64]| Err(EngineError::Failed("not on this machine".into()));
+    /// engines.register("bullet", "an engine of another kind", none);
+    /// assert_eq!(engines.get("bullet").unwrap().name(), "bullet");
+    /// let error = engines.get("bulet").unwrap_err().to_string();
+    /// assert_eq!(error, "unknown engine `bulet`; did you mean `bullet`? (allowed: rapier, bullet)");
+    /// ```
+    pub fn register(
+        &mut self,
+        name: &str,
+        description: &str,
+        build: impl Fn(&Character, EngineSettings, &[f64], &[f64]) -> Result<Box<dyn Engine>, EngineError>
+        + Send
+        + Sync
+        + 'static,
+    ) {
+        self.add(EngineEntry::new(name, description, build));
+    }
+
+    /// Adds an entry made elsewhere; one of the same name is replaced.
+    pub fn add(&mut self, entry: EngineEntry) {
+        match self.0.iter_mut().find(|e| e.name == entry.name) {
+            Some(old) => *old = entry,
+            None => self.0.push(entry),
+        }
+    }
+
+    /// The engine of this name.
+    ///
+    /// # Errors
+    /// [`UnknownEngine`], with the nearest name and those allowed.
+    pub fn get(&self, name: &str) -> Result<&EngineEntry, UnknownEngine> {
+        self.0.iter().find(|e| e.name() == name).ok_or_else(|| {
+            let known: Vec<&str> = self.0.iter().map(EngineEntry::name).collect();
+            let near = motion::names::nearest(name, known.iter().copied()).is_some();
+            let hint = if near { hint(name, known.iter().copied()) } else { String::new() };
+            UnknownEngine { name: name.into(), hint, allowed: known.join(", ") }
+        })
+    }
+
+    /// All engines.
+    pub fn iter(&self) -> impl Iterator<Item = &EngineEntry> {
+        self.0.iter()
+    }
+}

@@ -1,0 +1,15 @@
+//! Studies: many runs of one take, and what they say together.
+//!
+//! In: a take. Out: plain values and their figures.
+//!
+//! | module | holds |
+//! |---|---|
+//! | [`push`] | the push-recovery map of a standing body |
+//! | [`tune`] | parameters chosen by a search over a cost |
+//! | [`pareto`] | the trade between fidelity and help from outside |
+//! | [`retarget`] | how good a set of key poses is; models side by side |
+
+pub mod pareto;
+pub mod push;
+pub mod retarget;
+pub mod tune;

@@ -1,0 +1,72 @@
+//! A trade-off curve as a folder: report and figure.
+
+use std::path::{Path, PathBuf};
+
+use plots::TradePoint;
+use takes::results::figures::Draw;
+use takes::results::folder::{Earlier, Folder, Plan};
+use takes::results::write::{Undrawn, write_report};
+use takes::{Progress, WriteError};
+
+use super::Pareto;
+
+/// The figure's stem.
+const FIGURE: &str = "pareto";
+
+fn plan<'a>(planned: &'a [String], reads: &'a [PathBuf]) -> Plan<'a> {
+    Plan { command: "render --pareto", planned, reads, earlier: Earlier::Remove }
+}
+
+/// Checks, before many runs, that a curve can be written into `dir`. `reads`: files that are never replaced.
+///
+/// # Errors
+/// A folder that cannot be written to; a file in it that is not ours, or was read.
+pub fn check(dir: &Path, reads: &[PathBuf]) -> Result<(), WriteError> {
+    Ok(Folder::check(dir, &plan(&["report.json".into()], reads))?)
+}
+
+impl Pareto {
+    /// Writes the curve and its figure into `dir`, and names the files in [`Pareto::files`].
+    ///
+    /// # Errors
+    /// [`WriteError`]. A figure that cannot be drawn is returned.
+    pub fn write(
+        &mut self,
+        dir: &Path,
+        figures: bool,
+        reads: &[PathBuf],
+        progress: &Progress<'_>,
+    ) -> Result<Vec<Undrawn>, WriteError> {
+        let picture = self.clone();
+        let drawn: [Draw<'_>; 1] = [(FIGURE, Box::new(|| Ok(figure(&picture))))];
+        let drawn = if figures { &drawn[..] } else { &[] };
+        let mut report = |files| {
+            self.files = files;
+            self.to_json()
+        };
+        let planned = ["report.json".to_owned()];
+        write_report(dir, &plan(&planned, reads), &mut |_| Ok(()), drawn, &mut report, progress)
+    }
+}
+
+fn figure(curve: &Pareto) -> plots::Figure {
+    let points: Vec<TradePoint> = curve
+        .points
+        .iter()
+        .map(|p| TradePoint {
+            fidelity: p.fidelity,
+            force_rms_percent: p.force_rms_percent_bw,
+            force_peak_percent: p.force_peak_percent_bw,
+            budget_percent: 100.0 * p.force_budget_n / curve.weight_n.max(1e-12),
+            error_mm: p.position_rms_mm,
+            error_deg: p.joint_rms_deg,
+            stands: p.stands(),
+        })
+        .collect();
+    let note = format!(
+        "{}: {:.1} kg. Fidelity x allows the root x² of the body weight ({:.0} N) in help from outside. Numbers at the \
+         dots are fidelities.",
+        curve.scene, curve.mass_kg, curve.weight_n
+    );
+    plots::trade_off(&points, &note)
+}

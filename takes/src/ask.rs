@@ -1,0 +1,66 @@
+//! What a take is opened from, and what is asked beside it.
+
+use std::path::{Path, PathBuf};
+
+use formats::bvh::ImportOptions;
+use motion::Clip;
+use scenes::Overrides;
+
+/// What a take is opened from.
+#[derive(Clone, Debug)]
+pub enum Input {
+    /// A scene (.ron) or a clip, or the name of a scene of the library, see [`scenes::library`].
+    Path(PathBuf),
+    /// The text of a scene; what it names lies in the folder `base`, or is a location of the library.
+    Text {
+        /// The scene.
+        ron: String,
+        /// The folder its files are relative to.
+        base: PathBuf,
+    },
+    /// A clip in memory.
+    Clip {
+        /// The clip.
+        clip: Clip,
+        /// Its name, for output folders.
+        name: String,
+    },
+}
+
+impl From<&Path> for Input {
+    fn from(path: &Path) -> Self {
+        Self::Path(path.to_owned())
+    }
+}
+
+impl From<&PathBuf> for Input {
+    fn from(path: &PathBuf) -> Self {
+        Self::Path(path.clone())
+    }
+}
+
+impl From<PathBuf> for Input {
+    fn from(path: PathBuf) -> Self {
+        Self::Path(path)
+    }
+}
+
+/// What is asked beside the file.
+#[derive(Clone, Debug, Default)]
+pub struct Ask {
+    /// Numbers of the dynamic pass other than the file's.
+    pub overrides: Overrides,
+    /// Engine other than the file's.
+    pub engine: Option<String>,
+    /// Character file for a clip, or the name of a character of the library; by default its body is guessed.
+    pub body: Option<PathBuf>,
+    /// How to read a clip.
+    pub import: ImportOptions,
+    /// Leave out the edits.
+    pub no_edits: bool,
+}
+
+/// Whether the name says a scene, a character or another text of ours.
+pub(crate) fn is_ron(path: &Path) -> bool {
+    path.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("ron"))
+}

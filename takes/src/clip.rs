@@ -1,0 +1,269 @@
+//! The take of a clip: a captured motion on a body.
+//!
+//! In: a BVH file or a clip in memory, with or without a body, the conditions, the clip edits of a scene. Out: its [`Take`].
+//!
+//! ```text
+//! clip ─→ body guessed or given ─→ clip edits ─→ limits ─→ feet planted where it stands ─→ Take
+//! ```
+
+use std::ops::Range;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+use bodies::Character;
+use bodies::anthropometry::{BodyOptions, BodyReport, guess_body_of_clip};
+use bodies::pose_map::PoseMap;
+use controllers::Dense;
+use dynamics::conditions::RootMode;
+use edits::{EditLog, Motion};
+use formats::bvh::ImportReport;
+use motion::stance::Stance;
+use motion::{Clip, Contact, ContactPlan, Floor, Kinematics, TimeMap};
+use scenes::StripSpec;
+use scenes::library::{self, Kind};
+use scenes::scene::Scene;
+use scenes::{ConditionsSpec, TuneSpec, character_file};
+
+use crate::clip_edits::{self, Clips};
+use crate::conditions::begin_in_time;
+use crate::error::MOST_STEPS;
+use crate::standing::stance;
+use crate::take::{Asked, Body, ClipSource, Source, Take};
+use crate::{Ask, Conditions, TakeError};
+
+/// A clip with the body that is to perform it.
+pub(crate) struct ClipInput {
+    name: String,
+    /// What errors call it.
+    shown: String,
+    clip: Clip,
+    import: Option<ImportReport>,
+    body: Body,
+    guess: Option<BodyReport>,
+    map: PoseMap,
+    files: Vec<PathBuf>,
+}
+
+fn stem(path: &Path) -> String {
+    path.file_stem().map_or_else(|| "clip".into(), |s| s.to_string_lossy().into_owned())
+}
+
+impl ClipInput {
+    /// Reads a clip; its body is the one asked for, or guessed.
+    pub(crate) fn read(path: &Path, ask: &Ask) -> Result<Self, TakeError> {
+        let (clip, import) = formats::open_clip(path, &ask.import)?;
+        let input = Self::new(stem(path), path.display().to_string(), clip, Some(import), ask)?;
+        let body = ask.body.iter().filter(|file| library::is_file(file) && !library::is_location(file));
+        let files = body.cloned().chain([path.to_owned()]).collect();
+        Ok(Self { files, ..input })
+    }
+
+    /// A clip in memory.
+    pub(crate) fn of_memory(clip: Clip, name: String, ask: &Ask) -> Result<Self, TakeError> {
+        Self::new(name.clone(), name, clip, None, ask)
+    }
+
+    fn new(
+        name: String,
+        shown: String,
+        clip: Clip,
+        import: Option<ImportReport>,
+        ask: &Ask,
+    ) -> Result<Self, TakeError> {
+        if clip.frames() < 2 {
+            return Err(TakeError::Short { path: shown, frames: clip.frames() });
+        }
+        let (body, guess) = match &ask.body {
+            Some(file) => {
+                let read = character_file::read_file(&library::resolve(file, &[Kind::Character])?)?;
+                (Body { character: Arc::new(read.character), colors: read.colors }, None)
+            }
+            None => {
+                let guessed = guess_body_of_clip(&clip, &BodyOptions::default());
+                let (c, report) =
+                    guessed.map_err(|source| TakeError::Body { path: shown.clone(), source })?;
+                (Body { character: Arc::new(c), colors: Vec::new() }, Some(report))
+            }
+        };
+        Self::of(name, shown, clip, import, body, guess)
+    }
+
+    fn of(
+        name: String,
+        shown: String,
+        clip: Clip,
+        import: Option<ImportReport>,
+        body: Body,
+        guess: Option<BodyReport>,
+    ) -> Result<Self, TakeError> {
+        if clip.frames() < 2 {
+            return Err(TakeError::Short { path: shown, frames: clip.frames() });
+        }
+        let map = PoseMap::new(&clip.skeleton, &body.character.skeleton)
+            .map_err(|source| TakeError::Map { path: shown.clone(), source })?;
+        Ok(Self { name, shown, clip, import, body, guess, map, files: Vec::new() })
+    }
+}
+
+/// Keeps joint limits; also the fraction of the frames that they changed.
+pub(crate) fn limited(mut clip: Clip) -> (Clip, f64) {
+    let skeleton = clip.skeleton.clone();
+    let mut clamped = 0;
+    for f in 0..clip.frames() {
+        clamped += usize::from(skeleton.clamp_to_limits(clip.pose_mut(f)));
+    }
+    let share = clamped as f64 / clip.frames() as f64;
+    (clip, share)
+}
+
+/// The take of a clip. `scene` has edits and pictures, where there is one; `spec` is what it says of conditions.
+pub(crate) fn take(
+    input: ClipInput,
+    mut spec: ConditionsSpec,
+    scene: Option<&Scene>,
+    ask: &Ask,
+) -> Result<Take, TakeError> {
+    let ClipInput { name, shown, clip: mut source, import, body, guess, map, files } = input;
+    if scene.is_none() {
+        ask.overrides.apply(&mut spec.physics, &body.character);
+        if let Some(engine) = &ask.engine {
+            spec.engine.clone_from(engine);
+        }
+    }
+    let character = &body.character;
+    let given = map.clip_to_character(&source, &character.skeleton);
+    let (unedited, mut clamped) = limited(given.clone());
+    let mut log = EditLog::default();
+    let mut times = TimeMap::identity();
+    let mut clip = unedited.clone();
+    if let Some(scene) = scene.filter(|_| !ask.no_edits) {
+        let before = stance(character, &unedited);
+        let contacts = contacts(character, &before, unedited.rate_hz);
+        let motion = Motion { contacts, floor_m: Some(before.ground_m), ..Motion::of(given) };
+        let Clips { motion, changed } = clip_edits::apply(scene, motion, &mut log)?;
+        if changed {
+            times = motion.times;
+            (clip, clamped) = limited(motion.clip);
+            if !times.is_identity() {
+                source = times.retime(&source);
+            }
+        }
+    }
+    let ground = ground(&spec, character, &clip);
+    let mut stance = stance(character, &clip);
+    if let (true, Some(g)) = (spec.height_given, ground) {
+        stance.ground_m = g.height_m;
+    }
+    let take = Take {
+        name,
+        source: Source::Clip(Box::new(ClipSource { clip: source, map, import, body: guess })),
+        conditions: Conditions::resolve(&spec, &times, ground),
+        asked: Asked {
+            contacts: contacts(character, &stance, clip.rate_hz),
+            clip,
+            tracks: None,
+            dense: Dense::default(),
+            plants: Vec::new(),
+            stance: Some(stance),
+            times,
+            clamped,
+        },
+        unedited,
+        log,
+        strip: scene.map_or_else(StripSpec::default, |s| s.strip),
+        tune: scene.map_or_else(
+            || TuneSpec { own_run: true, pushes: Vec::new(), ..TuneSpec::default() },
+            |s| s.tune.clone(),
+        ),
+        files,
+        body,
+    };
+    let duration_s = take.asked.clip.duration_s();
+    let rate_hz = take.asked.clip.rate_hz.max(take.control_rate_hz());
+    if duration_s * rate_hz > MOST_STEPS {
+        return Err(TakeError::Long { path: shown, duration_s, rate_hz });
+    }
+    if let Some(scene) = scene {
+        let lengths_s = [take.unedited.duration_s(), duration_s];
+        begin_in_time(scene, lengths_s, "the motion is as long as its clip")?;
+    }
+    let take = match ask.overrides.span_s {
+        Some(span) => take.cut(frames_of(span, &take.asked.clip, &shown)?),
+        None => take,
+    };
+    stand_throughout(take, &shown)
+}
+
+/// Frames of a span of time.
+fn frames_of((from, to): (f64, f64), clip: &Clip, shown: &str) -> Result<Range<usize>, TakeError> {
+    let duration_s = clip.duration_s();
+    let frame = |t: f64| (t * clip.rate_hz).round() as usize;
+    if to > duration_s + 0.5 / clip.rate_hz || frame(to) <= frame(from) {
+        return Err(TakeError::Span { path: shown.into(), from, to, duration_s });
+    }
+    Ok(frame(from)..(frame(to) + 1).min(clip.frames()))
+}
+
+/// A clip that stands from beginning to end, its root not pinned, is performed on planted feet.
+fn stand_throughout(take: Take, shown: &str) -> Result<Take, TakeError> {
+    let Some(stance) = &take.asked.stance else { return Ok(take) };
+    match &stance.spans[..] {
+        [span] if span.stands && take.conditions.physics.root != RootMode::Pinned => {
+            take.stand(span, stance.ground_m).map_err(|source| TakeError::Legs { path: shown.into(), source })
+        }
+        _ => Ok(take),
+    }
+}
+
+/// The ground under a clip: as high as its conditions say, else where its lowest contact points lie.
+fn ground(spec: &ConditionsSpec, character: &Character, clip: &Clip) -> Option<Floor> {
+    let said = spec.physics.ground?;
+    if spec.height_given {
+        return Some(said);
+    }
+    lowest(character, clip).map(|height_m| Floor { height_m, ..said })
+}
+
+/// Height below which 2 % of the frames' lowest contact points lie, m; `None` without contact points.
+fn lowest(character: &Character, clip: &Clip) -> Option<f64> {
+    let sites: Vec<_> = character.contacts.iter().map(|&c| &character.skeleton.sites()[c]).collect();
+    let mut k = Kinematics::new(&clip.skeleton, clip.pose(0));
+    let mut lowest: Vec<f64> = (0..clip.frames())
+        .map(|f| {
+            k.update(&clip.skeleton, clip.pose(f));
+            sites.iter().map(|s| k.point(s.link, &s.at).y).fold(f64::INFINITY, f64::min)
+        })
+        .collect();
+    lowest.sort_by(f64::total_cmp);
+    let height = lowest[lowest.len() / 50];
+    height.is_finite().then_some(height)
+}
+
+/// What stands when in a clip: each leg while it does not step.
+pub(crate) fn contacts(character: &Character, stance: &Stance, rate_hz: f64) -> ContactPlan {
+    let mut all: Vec<Contact> = Vec::new();
+    for (sole, (limb, _)) in character.leg_soles().iter().enumerate() {
+        let mut standing: Option<Range<usize>> = None;
+        let mut stand = |frames: Option<Range<usize>>| {
+            if let Some(frames) = frames {
+                let time = |frame: usize| frame as f64 / rate_hz;
+                let (from_s, to_s) = (time(frames.start), time(frames.end - 1));
+                all.push(Contact { point: limb.name.clone(), from_s, to_s, world_from_point: None });
+            }
+        };
+        for span in stance.spans.iter().filter(|s| !s.frames.is_empty()) {
+            let stands = span.stands || !span.stepping.contains(&sole);
+            standing = match (stands, standing) {
+                (true, Some(before)) => Some(before.start..span.frames.end),
+                (true, None) => Some(span.frames.clone()),
+                (false, before) => {
+                    stand(before);
+                    None
+                }
+            };
+        }
+        stand(standing);
+    }
+    // spans follow one another: no two of a leg overlap
+    ContactPlan::new(all).unwrap_or_default()
+}

@@ -1,0 +1,63 @@
+//! The clip edits of a scene, applied in order to a sampled motion.
+//!
+//! In: a [`Motion`] from any source, the edits a scene declares. Out: the motion edited, or an error at the edit that does not fit; of a
+//! script also which joints are now performed as a dense clip, and how tense they are when.
+
+use controllers::{Dense, DenseJoint};
+use edits::{EditLog, Motion};
+use motion::{Dof, Joint, TimeMap, Tracks};
+use scenes::SceneError;
+use scenes::scene::{EditKind, Scene};
+
+/// A motion after the clip edits of its scene.
+pub(crate) struct Clips {
+    /// The motion.
+    pub motion: Motion,
+    /// Whether any edit changed it: what was changed is performed as a dense clip.
+    pub changed: bool,
+}
+
+/// Applies the clip edits of a scene; track edits have been applied before.
+///
+/// # Errors
+/// Places that the motion does not have, parameters that make no sense: at the edit.
+pub(crate) fn apply(scene: &Scene, mut motion: Motion, log: &mut EditLog) -> Result<Clips, SceneError> {
+    let mut changed = false;
+    for e in &scene.edits {
+        let EditKind::Clip(edit) = &e.kind else { continue };
+        let edited =
+            edit.apply(&motion, &e.place, log).map_err(|x| scene.source.error(&e.at, x.to_string()))?;
+        changed |= edited.clip != motion.clip || !edited.times.is_identity();
+        motion = motion.with(edited);
+    }
+    Ok(Clips { motion, changed })
+}
+
+/// The joints of a script that clip edits changed, each with the tension that its elements say at their (edited) times.
+///
+/// What was retimed changed as a whole. A joint that any clip edit touched is dense from beginning to end: elements before
+/// the change would end in poses that the edited motion does not reach.
+pub(crate) fn dense(tracks: &Tracks, log: &EditLog, times: &TimeMap) -> Dense {
+    let skeleton = &tracks.skeleton;
+    let all = !times.is_identity();
+    let changed = |link: usize| {
+        let name = &skeleton.links()[link].name;
+        log.clip_changes().iter().any(|c| c.joints.contains(name))
+    };
+    let moves = |link: &usize| !matches!(skeleton.links()[*link].joint, Joint::Fixed);
+    let joint = |link: usize| DenseJoint { link, tension: tension(tracks, link, times) };
+    let links = (0..skeleton.links().len()).filter(moves).filter(|&l| all || changed(l));
+    Dense { joints: links.map(joint).collect() }
+}
+
+/// Tension of a joint over time, as its elements say.
+fn tension(tracks: &Tracks, link: usize, times: &TimeMap) -> Vec<(f64, f64)> {
+    let own = Dof::of_link(&tracks.skeleton, link).and_then(|dof| tracks.track(dof));
+    let mut steps = vec![(0.0, tracks.base_tension[link])];
+    for e in own.iter().flat_map(|t| &t.elements) {
+        steps.push((times.at(e.start_s), tracks.tension_at(link, e.start_s + 1e-9)));
+    }
+    steps.sort_by(|a, b| a.0.total_cmp(&b.0));
+    steps.dedup_by(|b, a| a.1 == b.1);
+    steps
+}

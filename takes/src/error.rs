@@ -1,0 +1,97 @@
+//! Why there is no take: anything wrong with the input and the files it names.
+
+use bodies::anthropometry::GuessError;
+use bodies::pose_map::PoseMapError;
+use formats::ClipFileError;
+use motion::ik::IkError;
+use scenes::SceneError;
+use scenes::library::UnknownName;
+
+/// Why there is no take.
+#[derive(Debug, thiserror::Error)]
+pub enum TakeError {
+    /// A scene or character file.
+    #[error(transparent)]
+    Scene(#[from] SceneError),
+    /// A name that is no file and not in the library.
+    #[error(transparent)]
+    Name(#[from] UnknownName),
+    /// A clip's file.
+    #[error(transparent)]
+    ClipFile(#[from] ClipFileError),
+    /// No body for a clip.
+    #[error(
+        "{path}: {source}\n  help: give a body with --body FILE.ron; `contrapposto inspect CLIP --write-body FILE.ron` writes one of any skeleton it understands"
+    )]
+    Body {
+        /// The clip.
+        path: String,
+        /// Why.
+        source: GuessError,
+    },
+    /// A body that does not fit the clip.
+    #[error("the body does not fit {path}: {source}")]
+    Map {
+        /// The clip.
+        path: String,
+        /// Why.
+        source: PoseMapError,
+    },
+    /// A clip too short to perform.
+    #[error("{path}: the clip has {frames} frame(s); a motion needs at least 2")]
+    Short {
+        /// The clip.
+        path: String,
+        /// Frames found.
+        frames: usize,
+    },
+    /// A clip too long to perform.
+    #[error("{path}: {text}", text = too_long(*duration_s, *rate_hz))]
+    Long {
+        /// The clip.
+        path: String,
+        /// Its length, s.
+        duration_s: f64,
+        /// Frames or control steps per second, whichever are more.
+        rate_hz: f64,
+    },
+    /// A span that is not in the clip.
+    #[error(
+        "{path}: no span {from}..{to} s; the clip lasts {duration_s:.3} s, and a span has at least two frames"
+    )]
+    Span {
+        /// The clip.
+        path: String,
+        /// Begin asked for, s.
+        from: f64,
+        /// End asked for, s.
+        to: f64,
+        /// Length of the clip, s.
+        duration_s: f64,
+    },
+    /// Legs that cannot be planted.
+    #[error(
+        "{path}: its feet cannot be planted: {source}\n  help: --root pinned performs it without the ground"
+    )]
+    Legs {
+        /// The clip.
+        path: String,
+        /// Why.
+        source: IkError,
+    },
+    /// Something else than a scene or clip.
+    #[error("{0}: neither a scene (.ron) nor a clip ({clips})", clips = formats::table::endings(|f| f.read_clip.is_some()))]
+    Kind(String),
+}
+
+/// The most frames or control steps of a motion: half an hour at 240 Hz makes a trace of some gigabytes.
+pub const MOST_STEPS: f64 = 5e5;
+
+/// What is said of a motion that is too long.
+pub(crate) fn too_long(duration_s: f64, rate_hz: f64) -> String {
+    let shown = if duration_s < 1e7 { format!("{duration_s:.1}") } else { format!("{duration_s:e}") };
+    let most = MOST_STEPS / rate_hz;
+    format!(
+        "the motion lasts {shown} s; at {rate_hz} Hz (frames or control steps) allowed: up to {most:.0} s"
+    )
+}

@@ -1,0 +1,59 @@
+//! Takes: who performs what, under which conditions. The only composer.
+//!
+//! ```text
+//! Source (script | clip | retarget) ─→ track edits ─→ sampled ─→ clip edits ─→ limits, plants ─→ Asked
+//!                                                         Asked + Body + Conditions ─→ perform ─→ Performed ─→ results
+//! ```
+//!
+//! | module | holds |
+//! |---|---|
+//! | [`mod@open`] | a file, a text or a clip to a take |
+//! | [`ask`], [`error`] | what a take is opened from; why there is none |
+//! | [`take`] | the take: body, source, motion asked for, conditions |
+//! | [`conditions`] | what acts on the body |
+//! | [`script`] | the take of a script |
+//! | `clip`, `clip_edits` | the take of a clip; edits of sampled motion |
+//! | [`retargeting`] | human motion put on a character |
+//! | [`standing`] | the parts of a clip a body can perform on its own feet |
+//! | [`perform`] | the dynamic pass |
+//! | [`results`] | what a take leaves |
+//! | [`inspect`] | what is in a file |
+//! | [`export`] | a body as MJCF |
+//! | [`analysis`] | a trace, clip or scene to be analysed and drawn |
+//! | [`starter`] | a project to start from |
+//! | [`progress`] | what a long call says while it runs |
+
+pub mod analysis;
+pub mod ask;
+mod clip;
+mod clip_edits;
+pub mod conditions;
+pub mod error;
+pub mod export;
+pub mod inspect;
+pub mod open;
+pub mod perform;
+pub mod progress;
+pub mod results;
+pub mod retargeting;
+pub mod script;
+pub mod standing;
+pub mod starter;
+pub mod take;
+
+pub use analysis::{AnalysisInput, AnalysisInputError, AnalysisSettings, AnalysisSource};
+pub use ask::{Ask, Input};
+pub use conditions::Conditions;
+pub use dynamics::{Analysis, RootMode, Trace};
+pub use error::TakeError;
+pub use inspect::character_in;
+pub use open::open;
+pub use perform::{PerformError, Performed, PerformedSpan, Runs};
+pub use progress::{Event, Progress};
+pub use results::analysis_report::AnalysisReport;
+pub use results::report::Report;
+pub use results::write::{What, WriteError, Written};
+pub use retarget;
+pub use scenes::{Overrides, Patch, SceneError, character_file, library, overrides};
+pub use sim::{EngineEntry, Engines, Outcome, UnknownEngine};
+pub use take::{Asked, Body, ClipSource, RetargetSource, Source, Take};

@@ -1,0 +1,332 @@
+//! The numbers of a motion performed, as `report.json` gives them under `dynamic`.
+//!
+//! In: a [`Take`] and its [`Outcome`]. Out: a [`DynamicReport`]. Every unit is in its field's name; forces and moments are in
+//! the world frame, moments about the root's origin.
+
+use bodies::JointClass;
+use dynamics::{RootMode, Trace};
+use motion::Vec3;
+use motion::metrics::{self, JointError};
+use motion::names::Word;
+use serde::Serialize;
+use sim::Outcome;
+
+use crate::Take;
+use crate::results::disturbance_report::{FallReport, LegTensionReport};
+use crate::results::feet::{FeetReport, feet};
+use crate::results::gaze_report::GazeReport;
+
+/// The motion performed.
+#[derive(Clone, Debug, Serialize)]
+pub struct DynamicReport {
+    /// Control steps per second, Hz.
+    pub rate_hz: f64,
+    /// Engine substeps per control step.
+    pub substeps: usize,
+    /// Factor on every tension.
+    pub tension: f64,
+    /// Simulated time over wall time.
+    pub realtime_factor: f64,
+    /// Whether the body fell.
+    pub fell: bool,
+    /// When, s.
+    pub fell_at_s: Option<f64>,
+    /// How, if it did.
+    pub fall: Option<FallReport>,
+    /// Why the run stopped early, if it did.
+    pub diverged: Option<String>,
+    /// RMS angle to the motion asked for, over all joints but wrists, degrees.
+    pub joint_rms_deg: f64,
+    /// The same without the joints of the legs, degrees.
+    pub upper_body_rms_deg: f64,
+    /// The joints furthest from what was asked, worst first.
+    pub worst_joints: Vec<JointErrorReport>,
+    /// RMS distance of the links' origins to the motion asked for, mm.
+    pub position_rms_mm: f64,
+    /// Damping ratio every joint is given.
+    pub damping_ratio: f64,
+    /// Largest ω₀ dt/2 that implicit integration adds to it.
+    pub added_damping_ratio: f64,
+    /// Stiffness of every joint at tension 1 and the least it needs.
+    pub stiffness: Vec<StiffnessReport>,
+    /// Least distance of the centre of mass inside the support, mm (negative outside); absent when
+    /// nothing stands.
+    pub support_margin_mm_min: Option<f64>,
+    /// What held the root.
+    pub root: RootReport,
+    /// Foot numbers.
+    pub feet: FeetReport,
+    /// Contact forces; all zero without ground.
+    pub contact: ContactForceReport,
+    /// Joints too slack for what they had to hold.
+    pub sagging: Vec<SaggingReport>,
+    /// Joints of stance legs whose tension is not what was asked: raised because less does not stand, or lowered
+    /// because the soles cannot pass on more.
+    pub leg_tension: Vec<LegTensionReport>,
+    /// How far the eyes missed what they were to look at.
+    pub gazes: Vec<GazeReport>,
+}
+
+/// Stiffness of one joint.
+#[derive(Clone, Debug, Serialize)]
+pub struct StiffnessReport {
+    /// Its name.
+    pub joint: String,
+    /// K₁: stiffness at tension 1, relaxed and natural, N·m/rad.
+    pub natural_nm_rad: f64,
+    /// Largest least stiffness over the poses of the scene, N·m/rad.
+    pub least_nm_rad: f64,
+}
+
+/// How far one joint was from what was asked.
+#[derive(Clone, Debug, Serialize)]
+pub struct JointErrorReport {
+    /// Its name.
+    pub joint: String,
+    /// RMS angle, degrees.
+    pub rms_deg: f64,
+    /// Largest angle, degrees.
+    pub peak_deg: f64,
+}
+
+/// What held the root.
+#[derive(Clone, Debug, Serialize)]
+pub struct RootReport {
+    /// `free`, `assisted` or `pinned`: [`dynamics::RootName`].
+    pub mode: &'static str,
+    /// Largest force that neither gravity nor contacts explain, N: of the assist, of the pin, or when free the
+    /// error of the integrator.
+    pub residual_force_peak_n: f64,
+    /// RMS of that force, N.
+    pub residual_force_rms_n: f64,
+    /// Largest moment of that kind about the root's origin, N·m.
+    pub residual_moment_peak_nm: f64,
+    /// RMS of that moment, N·m.
+    pub residual_moment_rms_nm: f64,
+    /// Integral of that force's magnitude, N·s.
+    pub impulse_ns: f64,
+    /// Integral of that moment's magnitude, N·m·s.
+    pub moment_impulse_nms: f64,
+    /// RMS force over body weight, %.
+    pub residual_force_rms_percent_bw: f64,
+    /// Peak force over body weight, %.
+    pub residual_force_peak_percent_bw: f64,
+    /// The budget of an assisted root; null for others.
+    pub budget: Option<BudgetReport>,
+}
+
+/// The budget of an assisted root.
+#[derive(Clone, Copy, Debug, Serialize)]
+pub struct BudgetReport {
+    /// Largest force allowed, N.
+    pub force_n: f64,
+    /// That over body weight, %.
+    pub force_percent_bw: f64,
+    /// Largest moment allowed, N·m.
+    pub moment_nm: f64,
+    /// Share of the time at the force's limit, 0 to 1.
+    pub force_at_limit: f64,
+    /// Share of the time at the moment's limit, 0 to 1.
+    pub moment_at_limit: f64,
+}
+
+/// Contact forces.
+#[derive(Clone, Debug, Serialize)]
+pub struct ContactForceReport {
+    /// Mean vertical force, N.
+    pub vertical_mean_n: f64,
+    /// Mean vertical force over the last half second, % of the weight of the body and what it then carries.
+    pub vertical_end_percent_bw: f64,
+    /// Largest vertical force, N.
+    pub vertical_peak_n: f64,
+    /// Largest ratio of friction to normal force at a foot carrying more than 5 % of body weight.
+    pub friction_used_max: f64,
+}
+
+/// A joint too slack for what it had to hold.
+#[derive(Clone, Debug, Serialize)]
+pub struct SaggingReport {
+    /// The joint.
+    pub joint: String,
+    /// When it begins, s.
+    pub time_s: f64,
+    /// How long it lasts, s; 0 for an end pose.
+    pub lasts_s: f64,
+    /// Stiffness given, N·m/rad.
+    pub tension_nm_rad: f64,
+    /// Stiffness needed, N·m/rad.
+    pub least_nm_rad: f64,
+}
+
+/// Joints listed as worst.
+const WORST: usize = 5;
+/// Slack shorter than this in a clip is not listed, s.
+const BRIEF: f64 = 0.1;
+
+impl DynamicReport {
+    /// Numbers of a take and what came of it.
+    pub fn new(take: &Take, o: &Outcome) -> Self {
+        let t = &o.trace;
+        let c = &take.body.character;
+        let clip = &t.clip();
+        let target = t.target_clip();
+        let errors = metrics::joint_errors(clip, &target);
+        let counted: Vec<&JointError> =
+            errors.iter().filter(|e| c.classes[e.link] != JointClass::Wrist).collect();
+        let mut worst = counted.clone();
+        worst.sort_by(|a, b| b.rms_deg.total_cmp(&a.rms_deg));
+        let simulated = t.rows().saturating_sub(1) as f64 / t.rate_hz;
+        Self {
+            rate_hz: t.rate_hz,
+            substeps: t.substeps,
+            tension: take.conditions.physics.tension,
+            realtime_factor: simulated / t.wall_s.max(1e-9),
+            fell: o.fell_s.is_some(),
+            fell_at_s: o.fell_s,
+            fall: o.fall.as_ref().map(FallReport::new),
+            diverged: o.diverged.as_ref().map(ToString::to_string),
+            joint_rms_deg: metrics::joint_rms_deg(counted.iter().copied()),
+            upper_body_rms_deg: metrics::joint_rms_deg(
+                counted
+                    .iter()
+                    .copied()
+                    .filter(|e| !c.legs().any(|l| [l.upper, l.lower, l.end].contains(&e.link))),
+            ),
+            worst_joints: worst
+                .iter()
+                .take(WORST)
+                .map(|e| JointErrorReport {
+                    joint: c.skeleton.links()[e.link].name.clone(),
+                    rms_deg: e.rms_deg,
+                    peak_deg: e.peak_deg,
+                })
+                .collect(),
+            position_rms_mm: metrics::position_rms_mm(clip, &target),
+            damping_ratio: controllers::tension::DAMPING_RATIO,
+            added_damping_ratio: o.added_damping.0,
+            stiffness: o
+                .stiffness
+                .iter()
+                .map(|&(link, natural, least)| StiffnessReport {
+                    joint: c.skeleton.links()[link].name.clone(),
+                    natural_nm_rad: natural,
+                    least_nm_rad: least,
+                })
+                .collect(),
+            support_margin_mm_min: support_margin(t),
+            root: root(t, c.mass()),
+            feet: feet(take, clip, Some(t)).into(),
+            contact: contact(t),
+            sagging: sagging(take, o),
+            leg_tension: o
+                .leg_tension
+                .iter()
+                .map(|l| LegTensionReport {
+                    joint: c.skeleton.links()[l.link].name.clone(),
+                    asked: l.asked,
+                    used: l.used,
+                    asked_nm_rad: l.asked * l.natural,
+                    used_nm_rad: l.used * l.natural,
+                })
+                .collect(),
+            gazes: GazeReport::of(&take.conditions.gazes, t),
+        }
+    }
+}
+
+fn sagging(take: &Take, o: &Outcome) -> Vec<SaggingReport> {
+    let links = take.body.character.skeleton.links();
+    let listed = o.sagging.iter().filter(|s| take.asked.tracks.is_some() || s.lasts_s >= BRIEF);
+    listed
+        .map(|s| SaggingReport {
+            joint: links[s.link].name.clone(),
+            time_s: s.time_s,
+            lasts_s: s.lasts_s,
+            tension_nm_rad: s.tension,
+            least_nm_rad: s.least,
+        })
+        .collect()
+}
+
+/// Least margin of the centre of mass in the hull of the loaded contact points, mm.
+fn support_margin(t: &Trace) -> Option<f64> {
+    let mut least: Option<f64> = None;
+    let mut i = 0;
+    while i < t.contacts.len() {
+        let row = t.contacts[i].row;
+        let end = i + t.contacts[i..].iter().take_while(|c| c.row == row).count();
+        let points: Vec<Vec3> = t.contacts[i..end].iter().map(|c| c.point).collect();
+        i = end;
+        let support = motion::Support::of(points.iter());
+        let margin = 1e3 * support.margin(&motion::support::ground(&t.com_at(row)));
+        least = Some(least.map_or(margin, |m| m.min(margin)));
+    }
+    least.filter(|m| m.is_finite())
+}
+
+fn root(t: &Trace, mass: f64) -> RootReport {
+    let part = |w: &[f64], at| motion::skeleton::vec_at(w, at);
+    let residual: Vec<(Vec3, Vec3)> =
+        t.residual().chunks_exact(6).map(|w| (part(w, 0), part(w, 3))).collect();
+    let n = residual.len().saturating_sub(1).max(1) as f64;
+    let (force, moment): (Vec<f64>, Vec<f64>) = residual.iter().map(|(f, m)| (f.norm(), m.norm())).unzip();
+    let rms = |x: &[f64]| (x.iter().map(|x| x * x).sum::<f64>() / n).sqrt();
+    let peak = |x: &[f64]| x.iter().copied().fold(0.0, f64::max);
+    let sum = |x: &[f64]| x.iter().sum::<f64>() / t.rate_hz;
+    let percent = |x: f64| 100.0 * x / (mass * t.gravity.norm()).max(1e-12);
+    let at_limit = |x: &[f64], most: f64| x.iter().filter(|x| **x >= most * (1.0 - 1e-9)).count() as f64 / n;
+    let budget = match t.root {
+        RootMode::Assisted { force_n, moment_nm } => Some(BudgetReport {
+            force_n,
+            force_percent_bw: percent(force_n),
+            moment_nm,
+            // row 0 is the start: nothing has acted yet
+            force_at_limit: at_limit(&force[1.min(force.len())..], force_n),
+            moment_at_limit: at_limit(&moment[1.min(moment.len())..], moment_nm),
+        }),
+        RootMode::Free | RootMode::Pinned => None,
+    };
+    RootReport {
+        mode: t.root.name().word(),
+        residual_force_peak_n: peak(&force),
+        residual_force_rms_n: rms(&force),
+        residual_moment_peak_nm: peak(&moment),
+        residual_moment_rms_nm: rms(&moment),
+        impulse_ns: sum(&force),
+        moment_impulse_nms: sum(&moment),
+        residual_force_rms_percent_bw: percent(rms(&force)),
+        residual_force_peak_percent_bw: percent(peak(&force)),
+        budget,
+    }
+}
+
+fn contact(t: &Trace) -> ContactForceReport {
+    let sums = t.contact_sums();
+    let weight = t.character.mass() * t.gravity.norm();
+    let rows = sums.len();
+    let mean = |s: &[Vec3]| s.iter().map(|f| f.y).sum::<f64>() / s.len().max(1) as f64;
+    let last = ((0.5 * t.rate_hz) as usize).clamp(1, rows.max(1));
+    let mut used: f64 = 0.0;
+    let mut i = 0;
+    while i < t.contacts.len() {
+        let (row, link) = (t.contacts[i].row, t.contacts[i].link);
+        let mut sum = Vec3::zeros();
+        while i < t.contacts.len() && t.contacts[i].row == row && t.contacts[i].link == link {
+            sum += t.contacts[i].force;
+            i += 1;
+        }
+        let up = t.ground_up(row);
+        let normal = sum.dot(&up);
+        if normal > 0.05 * weight {
+            used = used.max((sum - up * normal).norm() / normal);
+        }
+    }
+    ContactForceReport {
+        // row 0 has no forces yet
+        vertical_mean_n: mean(&sums[1.min(rows)..]),
+        vertical_end_percent_bw: 100.0 * mean(&sums[rows - last..])
+            / (t.mass_at(rows.saturating_sub(1)) * t.gravity.norm()).max(1e-12),
+        vertical_peak_n: sums.iter().map(|f| f.y).fold(0.0, f64::max),
+        friction_used_max: used,
+    }
+}

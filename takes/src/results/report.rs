@@ -1,0 +1,206 @@
+//! The numbers of a run, as `report.json` gives them.
+//!
+//! In: a [`Take`] and, unless only previewed, its [`Outcome`]. Out: a [`Report`] that
+//! serialises to JSON. Every unit is in its field's name. The schema is documented in `docs/REPORT.md`:
+//! fields are only ever added.
+
+use formats::bvh::Chosen;
+use motion::metrics;
+use motion::names::Word;
+use motion::stance::StanceSpan;
+use serde::Serialize;
+use sim::Outcome;
+
+use crate::Take;
+use crate::perform::{Performed, PerformedSpan};
+use crate::results::disturbance_report::DisturbanceReport;
+pub use crate::results::dynamic_report::DynamicReport;
+use crate::results::feet::{FeetReport, feet};
+use crate::take::ClipSource;
+
+/// All numbers of a run.
+#[derive(Clone, Debug, Serialize)]
+pub struct Report {
+    /// Name of the scene or clip.
+    pub scene: String,
+    /// Frames of the clips written.
+    pub frames: usize,
+    /// Frames per second of the clips written.
+    pub rate_hz: f64,
+    /// Length, s.
+    pub duration_s: f64,
+    /// How the clip was read; absent for a scene.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub clip: Option<ClipReport>,
+    /// The body.
+    pub character: CharacterReport,
+    /// The motion asked for.
+    pub kinematic: KinematicReport,
+    /// What disturbs the performer.
+    pub disturbances: DisturbanceReport,
+    /// The motion performed; absent after `--kinematic`, and where a clip is performed in parts.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub dynamic: Option<DynamicReport>,
+    /// Where the feet of a clip stand and step; absent for a scene.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub spans: Option<Vec<SpanReport>>,
+    /// Edits that wrote the same field of the same element.
+    pub edit_conflicts: usize,
+    /// Files written, by what they hold; paths relative to the report.
+    pub files: std::collections::BTreeMap<String, String>,
+}
+
+/// How a clip was read: what its file does not say.
+#[derive(Clone, Debug, Serialize)]
+pub struct ClipReport {
+    /// Metres in one unit of the file.
+    pub metres_per_unit: f64,
+    /// Where that comes from: `stated`, `guessed` or `unsure`.
+    pub units: &'static str,
+    /// Vertical axis of the file, `Y` or `Z`.
+    pub up: String,
+    /// Where that comes from.
+    pub up_axis: &'static str,
+    /// Whether the first frame is an inserted T-pose: dropped, kept, or null if it is none.
+    pub t_pose_dropped: Option<bool>,
+    /// Whether the body was guessed.
+    pub body_guessed: bool,
+}
+
+impl ClipReport {
+    /// Of a clip that was read from a file; `None` for one from memory, of which nothing was guessed.
+    pub(crate) fn new(source: &ClipSource) -> Option<Self> {
+        let import = source.import.as_ref()?;
+        Some(Self {
+            metres_per_unit: import.units.metres_per_unit,
+            units: chosen(import.units.chosen),
+            up: import.up.axis.identifier(),
+            up_axis: chosen(import.up.chosen),
+            t_pose_dropped: import.t_pose_dropped,
+            body_guessed: source.body.is_some(),
+        })
+    }
+}
+
+/// `stated`, `guessed` or `unsure`.
+pub(crate) fn chosen(by: Chosen) -> &'static str {
+    match by {
+        Chosen::Stated => "stated",
+        Chosen::Guessed => "guessed",
+        Chosen::Unsure => "unsure",
+    }
+}
+
+/// A part of a clip that stands, or in which feet step.
+#[derive(Clone, Debug, Serialize)]
+pub struct SpanReport {
+    /// Begin, s.
+    pub from_s: f64,
+    /// End, s: the time of its last frame.
+    pub to_s: f64,
+    /// Whether all feet stand throughout.
+    pub stands: bool,
+    /// Legs that step in it.
+    pub stepping: Vec<String>,
+    /// Folder of its files, relative to the report; null unless it was performed by itself.
+    pub folder: Option<String>,
+    /// The motion performed; null unless it was performed by itself.
+    pub dynamic: Option<DynamicReport>,
+}
+
+impl SpanReport {
+    /// All spans of a stage, with those performed by themselves; none for a scene.
+    pub(crate) fn all(take: &Take, performed: &[PerformedSpan]) -> Option<Vec<Self>> {
+        let stance = take.asked.stance.as_ref()?;
+        let legs = take.body.character.leg_soles();
+        let rate = take.asked.clip.rate_hz;
+        let of = |(i, span): (usize, &StanceSpan)| {
+            let place = performed.iter().position(|p| p.span == i);
+            Self {
+                from_s: span.frames.start as f64 / rate,
+                to_s: span.frames.end.saturating_sub(1) as f64 / rate,
+                stands: span.stands,
+                stepping: span.stepping.iter().map(|&s| legs[s].1.name.clone()).collect(),
+                folder: place.map(span_folder),
+                dynamic: place.map(|k| DynamicReport::new(&performed[k].take, &performed[k].outcome)),
+            }
+        };
+        Some(stance.spans.iter().enumerate().map(of).collect())
+    }
+}
+
+/// Folder of the `k`th standing span, counted from 0.
+pub fn span_folder(k: usize) -> String {
+    format!("span_{}", k + 1)
+}
+
+/// The body.
+#[derive(Clone, Debug, Serialize)]
+pub struct CharacterReport {
+    /// Its name.
+    pub name: String,
+    /// Links.
+    pub links: usize,
+    /// Degrees of freedom, root included.
+    pub dof: usize,
+    /// Mass, kg.
+    pub mass_kg: f64,
+}
+
+/// The motion asked for.
+#[derive(Clone, Debug, Serialize)]
+pub struct KinematicReport {
+    /// Foot numbers.
+    pub feet: FeetReport,
+    /// RMS jerk of the links' origins, m/s³.
+    pub jerk_rms_m_s3: f64,
+    /// Jerk relative to the unedited motion.
+    pub jerk_ratio: f64,
+    /// Share of frames that joint limits changed.
+    pub clamped_frames: f64,
+}
+
+impl Report {
+    /// Numbers of a take and what came of it.
+    pub fn new(performed: &Performed) -> Self {
+        Self::of(&performed.take, performed.outcome(), performed.spans())
+    }
+
+    /// Numbers of a take, of its outcome where it was performed whole, of its spans where they were each by themselves.
+    pub fn of(take: &Take, outcome: Option<&Outcome>, performed: &[PerformedSpan]) -> Self {
+        let c = &take.body.character;
+        let plain_jerk = metrics::jerk_rms(&take.unedited);
+        let jerk = metrics::jerk_rms(&take.asked.clip);
+        Self {
+            scene: take.name.clone(),
+            frames: take.asked.clip.frames(),
+            rate_hz: take.asked.clip.rate_hz,
+            duration_s: take.asked.clip.duration_s(),
+            clip: take.clip_source().and_then(ClipReport::new),
+            character: CharacterReport {
+                name: c.name.clone(),
+                links: c.skeleton.links().len(),
+                dof: c.skeleton.nv(),
+                mass_kg: c.mass(),
+            },
+            kinematic: KinematicReport {
+                feet: feet(take, &take.asked.clip, None).into(),
+                jerk_rms_m_s3: jerk,
+                jerk_ratio: if plain_jerk > 0.0 { jerk / plain_jerk } else { 1.0 },
+                clamped_frames: take.asked.clamped,
+            },
+            disturbances: DisturbanceReport::new(take),
+            dynamic: outcome.map(|o| DynamicReport::new(take, o)),
+            spans: SpanReport::all(take, performed),
+            edit_conflicts: take.log.conflicts().len(),
+            files: std::collections::BTreeMap::new(),
+        }
+    }
+
+    /// The report as indented JSON with a final newline.
+    pub fn to_json(&self) -> String {
+        let mut text = serde_json::to_string_pretty(self).expect("a report has no maps with odd keys");
+        text.push('\n');
+        text
+    }
+}

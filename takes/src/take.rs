@@ -1,0 +1,251 @@
+//! A take: who performs what, under which conditions.
+//!
+//! In: what [`crate::open()`] made of a file, a text or a clip. Out: a [`Take`]: a body, where its motion came from, the motion asked of
+//! it, and the conditions. A value: built once and whole. Preview is a take that is not performed.
+//!
+//! Nobody downstream asks where a motion came from: reports, figures, passes and studies read [`Take::asked`],
+//! [`Take::body`] and [`Take::conditions`].
+
+use std::path::PathBuf;
+use std::sync::Arc;
+
+use bodies::Character;
+use bodies::anthropometry::BodyReport;
+use bodies::pose_map::PoseMap;
+use controllers::{Dense, Goal, Reactive, Setup, Tunable};
+use dynamics::conditions::RootMode;
+use edits::EditLog;
+use formats::bvh::ImportReport;
+use motion::stance::Stance;
+use motion::{Clip, ContactPlan, Plant, Shape, TimeMap, Tracks};
+use retarget::contacts::Phase;
+use scenes::StripSpec;
+use scenes::TuneSpec;
+use sim::Pass;
+
+use crate::Conditions;
+
+/// The body of a take.
+#[derive(Clone, Debug)]
+pub struct Body {
+    /// Mass, shapes, limits.
+    pub character: Arc<Character>,
+    /// Colour of each link, where the character's file has one.
+    pub colors: Vec<Option<[u8; 3]>>,
+}
+
+impl Body {
+    /// Its solids, each with its link.
+    pub fn solids(&self) -> Vec<(usize, Shape)> {
+        let links = self.character.bodies.iter().enumerate();
+        links.flat_map(|(link, body)| body.shapes.iter().map(move |shape| (link, *shape))).collect()
+    }
+}
+
+/// A clip that a motion came from.
+#[derive(Clone, Debug)]
+pub struct ClipSource {
+    /// The clip as read, with all its joints, at the frames and times of the motion asked for.
+    pub clip: Clip,
+    /// Between the clip's joints and the character's.
+    pub map: PoseMap,
+    /// What was read and guessed of the file; `None` for a clip from memory.
+    pub import: Option<ImportReport>,
+    /// What was guessed of the body; `None` if it was given.
+    pub body: Option<BodyReport>,
+}
+
+/// A human motion that a motion was made of.
+#[derive(Clone, Debug)]
+pub struct RetargetSource {
+    /// Name of the performance.
+    pub performance: String,
+    /// When each contact point of the character stands.
+    pub phases: Vec<Phase>,
+}
+
+/// Where the motion of a take came from.
+#[derive(Clone, Debug)]
+pub enum Source {
+    /// A script of poses.
+    Script,
+    /// A clip.
+    Clip(Box<ClipSource>),
+    /// A human motion put on the body.
+    Retarget(Box<RetargetSource>),
+}
+
+/// The motion asked of a body.
+#[derive(Clone, Debug)]
+pub struct Asked {
+    /// The motion: edited, within joint limits, feet planted; at the frame rate.
+    pub clip: Clip,
+    /// The elements behind it, edited: they are performed as transitions; `None` where all of it is performed as a dense clip.
+    pub tracks: Option<Tracks>,
+    /// Joints of a script that a clip edit changed: they are performed as a dense clip, at the tension that the script says.
+    pub dense: Dense,
+    /// Limbs whose ends stay where they are from beginning to end.
+    pub plants: Vec<Plant>,
+    /// What stands when.
+    pub contacts: ContactPlan,
+    /// Where the feet of a clip stand and step; `None` where that is written (scripts) or not looked for.
+    pub stance: Option<Stance>,
+    /// From the time of the source to that of `clip`.
+    pub times: TimeMap,
+    /// Fraction of the frames that joint limits changed.
+    pub clamped: f64,
+}
+
+/// Who performs what, under which conditions. See the module header.
+#[derive(Clone, Debug)]
+pub struct Take {
+    /// Name, for output folders.
+    pub name: String,
+    /// The body.
+    pub body: Body,
+    /// Where the motion came from.
+    pub source: Source,
+    /// The motion asked for.
+    pub asked: Asked,
+    /// The same without edits (equal to the clip asked for when there are none).
+    pub unedited: Clip,
+    /// Who edited what.
+    pub log: EditLog,
+    /// What acts on the body.
+    pub conditions: Conditions,
+    /// How film strips are drawn.
+    pub strip: StripSpec,
+    /// How it is tuned.
+    pub tune: TuneSpec,
+    /// Files it was made of: results never replace them.
+    pub files: Vec<PathBuf>,
+}
+
+/// Control steps per second of a script that says nothing about it, Hz.
+pub(crate) const USUAL_RATE_HZ: f64 = 240.0;
+
+impl Take {
+    /// The body's character.
+    pub fn character(&self) -> &Arc<Character> {
+        &self.body.character
+    }
+
+    /// The clip it came from, if it came from one.
+    pub fn clip_source(&self) -> Option<&ClipSource> {
+        match &self.source {
+            Source::Clip(source) => Some(source),
+            Source::Script | Source::Retarget(_) => None,
+        }
+    }
+
+    /// Whether it is performed by transitions from pose to pose.
+    pub fn is_scripted(&self) -> bool {
+        matches!(self.source, Source::Script)
+    }
+
+    /// Control steps per second, Hz: as asked, else 240; of sampled motion whole steps per frame, near 240.
+    pub fn control_rate_hz(&self) -> f64 {
+        let frames = self.asked.clip.rate_hz;
+        match (self.conditions.physics.rate_hz, &self.source) {
+            (Some(rate_hz), _) => rate_hz,
+            (None, Source::Script) => USUAL_RATE_HZ,
+            (None, Source::Clip(_) | Source::Retarget(_)) => {
+                frames * (USUAL_RATE_HZ / frames).round().max(1.0)
+            }
+        }
+    }
+
+    /// The dynamic pass of this take.
+    pub fn pass(&self) -> Pass {
+        let c = &self.conditions;
+        let p = &c.physics;
+        let held = p.root == RootMode::Pinned;
+        let captured = matches!(self.source, Source::Clip(_));
+        Pass {
+            setup: Setup {
+                character: self.body.character.clone(),
+                gravity: p.gravity,
+                goal: Goal::new(&self.asked.clip, self.control_rate_hz()),
+                tracks: self.asked.tracks.clone(),
+                dense: self.asked.dense.clone(),
+                tension: p.tension,
+                plants: if held { Vec::new() } else { self.asked.plants.clone() },
+                ground_m: if held { None } else { p.ground.map(|g| g.height_m) },
+                balance: p.balance,
+                blend: p.blend,
+            },
+            reactive: c.gazes.iter().map(|g| Box::new(g.clone()) as Box<dyn Reactive>).collect(),
+            substeps: p.substeps,
+            root: p.root,
+            // a pinned clip passes through the floor as it was captured: contact would fight the pin
+            ground: if held && captured { None } else { p.ground },
+            tilts: c.tilts.clone(),
+            pushes: c.pushes.clone(),
+            carried: c.carried.clone(),
+        }
+    }
+
+    /// A clip of the character at the frame rate.
+    pub fn at_frames(&self, clip: &Clip) -> Clip {
+        if clip.rate_hz == self.asked.clip.rate_hz {
+            clip.clone()
+        } else {
+            clip.resample(self.asked.clip.rate_hz)
+        }
+    }
+
+    /// A clip of the character at the frame rate, as it is written to files: with all joints of the
+    /// clip it came from.
+    pub fn for_files(&self, clip: &Clip) -> Clip {
+        let clip = self.at_frames(clip);
+        match self.clip_source() {
+            Some(source) => source.map.clip_to_source(&clip, &source.clip),
+            None => clip,
+        }
+    }
+
+    /// Unit of length of the BVH files written, m: that of the clip read, else the centimetre.
+    pub fn metres_per_unit(&self) -> f64 {
+        let import = self.clip_source().and_then(|source| source.import.as_ref());
+        import.map_or(0.01, |import| import.units.metres_per_unit)
+    }
+
+    /// The settings that may be tuned.
+    pub fn tunable(&self) -> Tunable {
+        let p = &self.conditions.physics;
+        Tunable { tension: p.tension, balance: p.balance }
+    }
+
+    /// The same take with other settings.
+    pub fn with_tunable(&self, t: &Tunable) -> Self {
+        let mut take = self.clone();
+        take.conditions.physics.tension = t.tension;
+        take.conditions.physics.balance = t.balance;
+        take
+    }
+
+    /// The same take with another fidelity, see [`scenes::overrides::set_fidelity`].
+    pub fn with_fidelity(&self, fidelity: f64) -> Self {
+        let mut take = self.clone();
+        scenes::overrides::set_fidelity(&mut take.conditions.physics, fidelity, &self.body.character);
+        take
+    }
+
+    /// The same take, its last pose held until `end_s`.
+    pub fn held_until(&self, end_s: f64) -> Self {
+        let mut take = self.clone();
+        let clip = &self.asked.clip;
+        let missing = ((end_s * clip.rate_hz).ceil() as usize + 1).saturating_sub(clip.frames());
+        if missing > 0 {
+            let mut q = clip.data().to_vec();
+            let last = clip.pose(clip.frames() - 1);
+            (0..missing).for_each(|_| q.extend_from_slice(last));
+            let held = Clip::new(clip.skeleton.clone(), clip.rate_hz, q);
+            if let Some(tracks) = &mut take.asked.tracks {
+                tracks.duration_s = tracks.duration_s.max(held.duration_s());
+            }
+            take.asked.clip = held;
+        }
+        take
+    }
+}
