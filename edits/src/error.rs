@@ -146,6 +146,30 @@ pub enum EditError {
         /// What is wrong with them.
         source: TimeMapError,
     },
+    /// An anchor of a warp that lies outside its span.
+    #[error(
+        "warp: anchor {index} is at {anchor_s} s; allowed: {from_s:.3} s to {to_s:.3} s, the span of the edit"
+    )]
+    AnchorOutside {
+        /// Which, counted from 0.
+        index: usize,
+        /// Where it is, s.
+        anchor_s: f64,
+        /// Beginning of the span, s.
+        from_s: f64,
+        /// End of the span, s.
+        to_s: f64,
+    },
+    /// An anchor that moves the beginning of the span of a warp.
+    #[error(
+        "warp: the first anchor moves {from_s:.3} s, the beginning of the span, to {to_s} s; it must stay, as what is before it does"
+    )]
+    AnchorStart {
+        /// Beginning of the span, s.
+        from_s: f64,
+        /// Where it was to go, s.
+        to_s: f64,
+    },
     /// A clip that no edit may give.
     #[error("{edit}: the clip it gives {what}")]
     ClipResult {

@@ -20,6 +20,7 @@
 //! | [`extent_shoulder`] | how far the arms are from the body |
 //! | [`extent_reach`] | how far the hands are from the shoulders |
 //! | [`tension`] | how stiff the muscles are |
+//! | [`warp`] | a clip retimed by anchors |
 //! | [`poses`] | elements grouped by pose: for edits that think in poses |
 //! | [`error`] | what can be wrong |
 //!
@@ -62,6 +63,7 @@ pub mod selector;
 pub mod succession;
 pub mod tension;
 pub mod track_edit;
+pub mod warp;
 
 pub use amplitude::{Amplitude, Reference};
 pub use clip_change::{ClipChange, Largest};
@@ -76,3 +78,4 @@ pub use selector::{Place, Selection, Selector};
 pub use succession::{Direction, Succession};
 pub use tension::{Amount, Tension};
 pub use track_edit::TrackEdit;
+pub use warp::Warp;

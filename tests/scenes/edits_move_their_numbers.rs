@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use edits::{Amplitude, EditLog, ExtentReach, Selector, TrackEdit};
 use motion::{Clip, Dof, Kinematics, Tracks, Vec3};
-use takes::{Ask, Engines, Take};
+use takes::{Ask, Engines, Input, Report, Take};
 
 fn take(name: &str) -> Take {
     takes::open(support::scene(name), &Ask::default()).unwrap()
@@ -156,4 +156,48 @@ fn slow_tension_decides_lag_and_overshoot() {
     assert!(t_slack - t_braced >= 0.080, "lag {} s", t_slack - t_braced);
     assert!(over_slack >= 3.0, "{over_slack}°");
     assert!(over_braced < 1.0, "{over_braced}°");
+}
+
+/// A warp moves times, nothing else: what was asked at a time is asked at its image, the gaze begins with the motion, the push stays
+/// where the world has it; and the warped script is performed as near to what was asked as the script itself.
+#[test]
+fn slow_warp_moves_times_and_nothing_else() {
+    let path = support::scene("greet-late.ron");
+    let text = std::fs::read_to_string(&path).unwrap();
+    let as_written: Vec<&str> = text.lines().filter(|line| !line.contains("Warp(")).collect();
+    assert_eq!(as_written.len() + 1, text.lines().count());
+    let base = path.parent().unwrap().to_owned();
+    let plain = takes::open(Input::Text { ron: as_written.join("\n"), base }, &Ask::default()).unwrap();
+    let warped = take("greet-late.ron");
+
+    let times = &warped.asked.times;
+    for (from_s, to_s) in [(0.6, 0.6), (0.9, 1.3), (1.7, 1.9), (2.4, 2.6), (3.7, 4.6)] {
+        assert!((times.at(from_s) - to_s).abs() < 1e-12);
+    }
+    let skeleton = &warped.asked.clip.skeleton;
+    let (mut a, mut b) = (vec![0.0; skeleton.nq()], vec![0.0; skeleton.nq()]);
+    let mut worst = 0.0_f64;
+    for i in 0..=200 {
+        let t_s = plain.asked.clip.duration_s() * f64::from(i) / 200.0;
+        plain.asked.clip.sample(t_s, &mut a);
+        warped.asked.clip.sample(times.at(t_s), &mut b);
+        worst = a.iter().zip(&b).fold(worst, |worst, (a, b)| worst.max((a - b).abs()));
+    }
+    println!("asked: {worst:.1e} rad or m apart");
+    assert!(worst < 2e-3, "{worst}");
+
+    let (before, after) = (&plain.conditions, &warped.conditions);
+    assert_eq!(before.pushes[0].start_s, after.pushes[0].start_s);
+    let begins = |c: &takes::Conditions| c.gazes[0].settings().from_s;
+    assert!((begins(after) - times.at(begins(before))).abs() < 1e-12);
+
+    let error = |take: &Take| {
+        let out = take.outcome(&Engines::default(), &mut |_| {}).unwrap();
+        assert!(out.fell_s.is_none() && out.diverged.is_none());
+        let report = Report::of(take, Some(&out), &[]);
+        report.dynamic.unwrap().joint_rms_deg
+    };
+    let (before, after) = (error(&plain), error(&warped));
+    println!("performed: {before:.2}° and {after:.2}° of what was asked");
+    assert!(after < 1.5 * before, "{before}° and {after}°");
 }

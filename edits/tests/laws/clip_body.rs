@@ -3,7 +3,7 @@
 use std::sync::{Arc, LazyLock};
 
 use edits::{ClipEdit, EditLog, Edited, Motion, Where};
-use motion::{Clip, Contact, ContactPlan, Joint, Link, Skeleton, Transform, Vec3, smoothstep};
+use motion::{Clip, Contact, ContactPlan, Joint, Kinematics, Link, Skeleton, Transform, Vec3, smoothstep};
 
 use crate::body::dance;
 
@@ -78,4 +78,28 @@ pub fn refused(edit: &dyn ClipEdit, motion: &Motion, at: &Where) -> String {
     let words = edit.apply(motion, at, &mut log).unwrap_err().to_string();
     assert_eq!(log, EditLog::default());
     words
+}
+
+/// Furthest way of a point from where its contacts say that it stands, over the frames of each contact, m.
+pub fn strays(clip: &Clip, plan: &ContactPlan) -> f64 {
+    let mut worst = 0.0_f64;
+    for frame in 0..clip.frames() {
+        let k = Kinematics::new(&clip.skeleton, clip.pose(frame));
+        for c in plan.at(frame as f64 / clip.rate_hz) {
+            let link = clip.skeleton.link(&c.point).unwrap();
+            worst = worst.max((k.origin(link) - c.world_from_point.unwrap().translation.vector).norm());
+        }
+    }
+    worst
+}
+
+/// Largest difference between two clips over the frames of the first, rad or m.
+pub fn apart(a: &Clip, b: &Clip) -> f64 {
+    let mut v = vec![0.0; a.skeleton.nv()];
+    let mut worst = 0.0_f64;
+    for f in 0..a.frames() {
+        a.skeleton.difference(a.pose(f), b.pose(f), 1.0, &mut v);
+        worst = v.iter().fold(worst, |m, x| m.max(x.abs()));
+    }
+    worst
 }

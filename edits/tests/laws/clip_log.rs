@@ -1,6 +1,8 @@
 //! The log of clip edits: what changed is found by comparing, and a failed edit leaves no trace.
 
-use edits::{ClipEdit, ClipPlace, EditError, EditLog, Edited, Motion, Where};
+use edits::{
+    Amplitude, ClipEdit, ClipPlace, EditError, EditLog, Edited, Motion, Selector, TrackEdit, Warp, Where,
+};
 use motion::rotation::exp;
 use motion::{Clip, TimeMap, Vec3};
 
@@ -46,6 +48,26 @@ fn the_log_says_when_which_joints_and_how_much() {
         log.to_string(),
         "nudge (edit 0): 1.000 s to 1.500 s: pelvis, spine1, elbow_r; at most 5.73° at spine1; pelvis moved by at most 5.0 mm\n"
     );
+}
+
+/// A retiming moves no joint; track edits and clip edits are counted together, and conflicts are those of tracks.
+#[test]
+fn one_log_for_both_kinds() {
+    let mut dance = danced();
+    let mut log = EditLog::default();
+    let mut tracks = (**dance.tracks.as_ref().unwrap()).clone();
+    for _ in 0..2 {
+        let all = Selector::label("bow_0_0_spine1").select(&tracks).unwrap();
+        Amplitude::new(1.2).apply(&mut tracks, &all, &mut log).unwrap();
+    }
+    dance.clip = tracks.sample(RATE_HZ);
+    let warp = Warp { anchors: vec![(0.0, 0.0), (2.8, 4.2)] };
+    warp.apply(&dance, &Where::default(), &mut log).unwrap();
+    assert_eq!(log.edits(), ["amplitude", "amplitude", "warp"]);
+    assert_eq!(log.conflicts().len(), 1);
+    let text = log.to_string();
+    let line = "warp (edit 2): 0.000 s to 4.200 s: no joint; time has slopes 1.500 to 1.500, 2.800 s became 4.200 s\n";
+    assert!(text.contains(line), "{text}");
 }
 
 /// Edits of a user that give what no clip can be.

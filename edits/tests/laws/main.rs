@@ -13,3 +13,4 @@ mod place;
 mod selectors;
 mod succession;
 mod tension;
+mod warp;

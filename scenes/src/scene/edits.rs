@@ -7,7 +7,7 @@
 
 use edits::{
     Amount, Amplitude, ClipEdit, ExtentReach, ExtentShoulder, Parameter, Reference, Succession, Tension,
-    TrackEdit, Where,
+    TrackEdit, Warp, Where,
 };
 
 use super::{Check, SceneSource};
@@ -70,7 +70,7 @@ impl Check<'_> {
                 "the edit `{name}` changes the poses of a script; the motion of this scene is: {}",
                 source.describe()
             );
-            return Err(refused(why));
+            return Err(refused(why).with_help("edits of any motion: Warp"));
         }
         match before.iter().find(|b| matches!(b.kind, EditKind::Clip(_))) {
             None => Ok(()),
@@ -89,6 +89,7 @@ impl Check<'_> {
             | EditRon::ExtentShoulder { on, repetition, parts, .. }
             | EditRon::ExtentReach { on, repetition, parts, .. }
             | EditRon::Tension { on, repetition, parts, .. } => (on, repetition, parts, None),
+            EditRon::Warp { on, repetition, parts, span_s, .. } => (on, repetition, parts, *span_s),
         };
         let track = |edit: Box<dyn TrackEdit + Send + Sync>| EditKind::Track(edit);
         let kind = match e {
@@ -115,6 +116,7 @@ impl Check<'_> {
             EditRon::Tension { .. } => {
                 return Err(self.source.error(at, "a Tension takes either `factor` or `absolute`"));
             }
+            EditRon::Warp { times_s, .. } => EditKind::Clip(Box::new(Warp { anchors: times_s.clone() })),
         };
         let on = on.split(',').map(|text| text.trim().to_owned()).collect();
         let place = Where { on, repetition: *repetition, parts: parts.clone(), span_s };

@@ -117,4 +117,13 @@ pub enum EditRon {
         factor: Option<ParameterRon>,
         absolute: Option<ParameterRon>,
     },
+    Warp {
+        #[serde(default)]
+        on: String,
+        repetition: Option<usize>,
+        #[serde(default)]
+        parts: Vec<String>,
+        span_s: Option<(f64, f64)>,
+        times_s: Vec<(f64, f64)>,
+    },
 }
