@@ -58,6 +58,18 @@ impl ClipInput {
         Ok(Self { files, ..input })
     }
 
+    /// Reads the clip of a scene; its body is the scene's.
+    pub(crate) fn read_for(path: &Path, scene: &Scene, ask: &Ask) -> Result<Self, TakeError> {
+        let (clip, import) = formats::open_clip(path, &ask.import)?;
+        let clip = match scene.rate_hz {
+            Some(rate_hz) if rate_hz != clip.rate_hz => clip.resample(rate_hz),
+            _ => clip,
+        };
+        let body = Body { character: scene.character.clone(), colors: scene.colors.clone() };
+        let input = Self::of(scene.name.clone(), path.display().to_string(), clip, Some(import), body, None)?;
+        Ok(Self { files: scene.files.clone(), ..input })
+    }
+
     /// A clip in memory.
     pub(crate) fn of_memory(clip: Clip, name: String, ask: &Ask) -> Result<Self, TakeError> {
         Self::new(name.clone(), name, clip, None, ask)

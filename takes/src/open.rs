@@ -55,6 +55,10 @@ pub fn of_scene(mut scene: Scene, ask: &Ask) -> Result<Take, TakeError> {
     }
     match &scene.motion {
         SceneSource::Script(script) => Ok(script::take(&scene, script, ask)?),
+        SceneSource::Clip(path) => {
+            let input = ClipInput::read_for(path, &scene, ask)?;
+            clip::take(input, scene.conditions.clone(), Some(&scene), ask)
+        }
         SceneSource::Retarget(spec) => {
             Ok(retargeting::take::take(&scene, spec, ask, &|path, ask| open(path, ask))?)
         }

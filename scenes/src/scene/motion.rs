@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 
 use retarget::{GlobalOptions, RefineOptions, SizeRatio};
 
-use crate::schema::{MotionRon, SceneRon};
+use crate::schema::{GroundRon, MotionRon, PlaneRon, SceneRon};
 use crate::{SceneError, library};
 
 use super::Check;
@@ -17,6 +17,8 @@ use super::script::ScriptSpec;
 pub enum SceneSource {
     /// A script of poses.
     Script(ScriptSpec),
+    /// A clip, on the scene's character.
+    Clip(PathBuf),
     /// A human motion, put on the scene's character.
     Retarget(Box<RetargetSpec>),
 }
@@ -26,7 +28,7 @@ impl SceneSource {
     pub fn script(&self) -> Option<&ScriptSpec> {
         match self {
             Self::Script(script) => Some(script),
-            Self::Retarget(_) => None,
+            Self::Clip(_) | Self::Retarget(_) => None,
         }
     }
 
@@ -34,6 +36,7 @@ impl SceneSource {
     pub fn files(&self) -> Vec<&PathBuf> {
         match self {
             Self::Script(_) => Vec::new(),
+            Self::Clip(path) => vec![path],
             Self::Retarget(spec) => {
                 let files = [&spec.of].into_iter().chain(&spec.key_poses).chain(&spec.contacts);
                 files.collect()
@@ -45,6 +48,7 @@ impl SceneSource {
     pub fn describe(&self) -> String {
         match self {
             Self::Script(_) => "script".into(),
+            Self::Clip(path) => format!("clip {}", path.display()),
             Self::Retarget(spec) => format!("retargeted {}", spec.of.display()),
         }
     }
@@ -91,13 +95,39 @@ impl Check<'_> {
             }
         }
         match motion {
+            MotionRon::Clip(file) => self.clip(ron, file),
             MotionRon::Retarget { .. } => self.retarget(motion, character),
         }
     }
 
+    /// A clip that the character performs.
+    fn clip(&self, ron: &SceneRon, file: &str) -> Result<SceneSource, SceneError> {
+        if let GroundRon::Plane(PlaneRon { tilt_deg, .. }) = ron.world.ground.0
+            && tilt_deg != 0.0
+        {
+            let e = "the ground under a clip is level: it was captured on level ground";
+            return Err(self
+                .source
+                .error("world.ground.tilt_deg", e)
+                .with_help("`tilts` turn it during the run"));
+        }
+        let clip = self.source.beside("motion", "clip", file)?;
+        if library::is_location(&clip) {
+            let e = format!(
+                "`{}` is no clip: the library holds scenes, characters and key poses",
+                clip.display()
+            );
+            return Err(self.source.error("motion", e));
+        }
+        Ok(SceneSource::Clip(clip))
+    }
+
     /// A human motion put on the character.
     fn retarget(&self, motion: &MotionRon, character: &Path) -> Result<SceneSource, SceneError> {
-        let MotionRon::Retarget { of, keyposes, model, stop_after, size, refine, sway, contacts } = motion;
+        let MotionRon::Retarget { of, keyposes, model, stop_after, size, refine, sway, contacts } = motion
+        else {
+            return Err(self.source.error("motion", "not a retargeted motion"));
+        };
         Ok(SceneSource::Retarget(Box::new(RetargetSpec {
             of: self.source.beside("motion.of", "performance", of)?,
             to: character.to_owned(),

@@ -10,6 +10,8 @@ use super::word::{Named, NamedWith, Variants};
 #[derive(Clone, Debug, Deserialize)]
 #[serde(deny_unknown_fields, rename = "motion")]
 pub enum MotionRon {
+    /// A clip (.bvh), relative to the scene file, performed by the character.
+    Clip(String),
     /// A human motion put on the character.
     Retarget {
         /// The performance or clip, relative to the scene file.
