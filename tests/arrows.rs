@@ -7,82 +7,42 @@ use std::collections::BTreeMap;
 
 use cargo_metadata::{Metadata, MetadataCommand, Package};
 
-/// Folder, row, and the folders of the workspace it may use.
-const TABLE: [(&str, usize, &[&str]); 19] = [
-    ("motion", 0, &[]),
-    ("learn", 0, &[]),
-    ("bodies", 1, &["motion"]),
-    ("edits", 1, &["motion", "learn"]),
-    ("dynamics", 2, &["motion", "bodies"]),
-    ("formats", 3, &["motion", "bodies", "dynamics", "learn", "edits"]),
-    ("controllers", 3, &["motion", "bodies", "dynamics"]),
-    ("retarget", 3, &["motion", "learn", "bodies", "dynamics"]),
-    ("plots", 3, &["motion", "bodies", "dynamics"]),
-    ("programs", 4, &["motion", "edits", "dynamics", "controllers"]),
-    ("sim", 4, &["motion", "bodies", "dynamics", "controllers"]),
-    ("scenes", 5, &["motion", "bodies", "dynamics", "edits", "controllers", "retarget"]),
-    ("takes", 6, BELOW_TAKES),
-    ("studies", 7, BELOW_STUDIES),
-    ("crosscheck", 8, BELOW_CROSSCHECK),
-    ("cli", 9, DOORS),
-    ("studio", 9, DOORS),
-    ("python", 9, DOORS),
-    ("tests", 10, BELOW_TESTS),
+/// The folders of the workspace that a folder may use, of those above it.
+enum May {
+    /// These.
+    Use(&'static [&'static str]),
+    /// All but these.
+    UseAllBut(&'static [&'static str]),
+}
+use May::{Use, UseAllBut};
+
+/// Folder, row, and what it may use.
+const TABLE: [(&str, usize, May); 19] = [
+    ("motion", 0, Use(&[])),
+    ("learn", 0, Use(&[])),
+    ("bodies", 1, Use(&["motion"])),
+    ("edits", 1, Use(&["motion", "learn"])),
+    ("dynamics", 2, Use(&["motion", "bodies"])),
+    ("formats", 3, Use(&["motion", "bodies", "dynamics", "learn", "edits"])),
+    ("controllers", 3, Use(&["motion", "bodies", "dynamics"])),
+    ("retarget", 3, Use(&["motion", "learn", "bodies", "dynamics"])),
+    ("plots", 3, Use(&["motion", "bodies", "dynamics"])),
+    ("programs", 4, Use(&["motion", "edits", "dynamics", "controllers"])),
+    ("sim", 4, Use(&["motion", "bodies", "dynamics", "controllers"])),
+    ("scenes", 5, Use(&["motion", "bodies", "dynamics", "edits", "controllers", "retarget"])),
+    ("takes", 6, UseAllBut(&[])),
+    ("studies", 7, UseAllBut(&[])),
+    ("crosscheck", 8, UseAllBut(&["learn", "edits", "retarget", "programs"])),
+    ("cli", 9, DOOR),
+    ("studio", 9, DOOR),
+    ("python", 9, DOOR),
+    ("tests", 10, UseAllBut(&["studio", "python"])),
 ];
+const DOOR: May = Use(&["crosscheck", "studies", "takes", "plots", "formats", "motion"]);
 /// What the tests, examples and benches of a crate may use besides: development dependencies.
 const FOR_TESTS: [(&str, &[&str]); 1] = [("retarget", &["formats"])];
 /// What the tests of every crate may use, and nothing else: where data lie. It uses none of them.
 const SUPPORT: &str = "support";
-const BELOW_TAKES: &[&str] = &[
-    "motion",
-    "learn",
-    "bodies",
-    "edits",
-    "dynamics",
-    "formats",
-    "controllers",
-    "retarget",
-    "plots",
-    "programs",
-    "sim",
-    "scenes",
-];
-const BELOW_STUDIES: &[&str] = &[
-    "motion",
-    "learn",
-    "bodies",
-    "edits",
-    "dynamics",
-    "formats",
-    "controllers",
-    "retarget",
-    "plots",
-    "programs",
-    "sim",
-    "scenes",
-    "takes",
-];
-const BELOW_CROSSCHECK: &[&str] =
-    &["motion", "bodies", "dynamics", "formats", "controllers", "plots", "sim", "scenes", "takes", "studies"];
-const DOORS: &[&str] = &["crosscheck", "studies", "takes", "plots", "formats", "motion"];
-const BELOW_TESTS: &[&str] = &[
-    "motion",
-    "learn",
-    "bodies",
-    "edits",
-    "dynamics",
-    "formats",
-    "controllers",
-    "retarget",
-    "plots",
-    "programs",
-    "sim",
-    "scenes",
-    "takes",
-    "studies",
-    "crosscheck",
-    "cli",
-];
 
 /// The members of the workspace, without their dependencies: nothing has to be downloaded to read them.
 fn metadata() -> Metadata {
@@ -117,7 +77,11 @@ fn fault(folder: &str, other: &str) -> Option<String> {
     let row = |name: &str| TABLE.iter().find(|(f, _, _)| *f == name);
     let Some((_, own, allowed)) = row(folder) else { return Some(format!("`{folder}` has no row")) };
     let Some((_, below, _)) = row(other) else { return Some(format!("`{other}` has no row")) };
-    if !allowed.contains(&other) {
+    let may = match allowed {
+        Use(these) => these.contains(&other),
+        UseAllBut(these) => !these.contains(&other),
+    };
+    if !may {
         return Some(format!("`{folder}` may not use `{other}`"));
     }
     (below >= own).then(|| format!("`{other}` is not above `{folder}` in the table"))

@@ -1,9 +1,9 @@
 //! `analyze`: a clip to the forces it needs, as numbers, tables and figures.
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 use takes::analysis;
-use takes::results::analysis_write::{AnalysisWhat, AnalysisWriteError};
+use takes::results::analysis_write::AnalysisWhat;
 
 use crate::analysis_text;
 use crate::args::AnalyzeArgs;
@@ -24,21 +24,16 @@ pub fn run(args: &AnalyzeArgs) -> Result<(), Failure> {
     clip_options(&args.input, &input, args.clip.given(), args.dynamics.body.is_some())?;
     progress.part("analysing");
     let analysis = input.analyze(&args.dynamics.options()).map_err(Failure::input)?;
-    let dir = args.out.clone().unwrap_or_else(|| Path::new("out").join(format!("{}-analysis", input.name)));
+    let dir = output::folder(args.out.as_deref(), &format!("{}-analysis", input.name));
     let reads: Vec<PathBuf> = args.dynamics.body.iter().chain([&args.input]).cloned().collect();
     let what = AnalysisWhat {
         tables: args.format.clone(),
         sink_m: (!args.no_plots).then_some(1e-3 * args.dynamics.sink_mm),
         reads,
     };
-    let written = input.write(&analysis, &dir, &what, &progress).map_err(failure)?;
+    let written = input.write(&analysis, &dir, &what, &progress)?;
     drop(progress);
     let report = &written.report;
     output::print(&if args.json { report.to_json() } else { analysis_text::of(&input, report, &dir) })?;
     output::undrawn(&written.undrawn, &dir)
-}
-
-fn failure(e: AnalysisWriteError) -> Failure {
-    let input = e.is_input();
-    Failure::of(e, input)
 }

@@ -90,12 +90,12 @@ fn body(args: &ConvertArgs) -> Result<(), Failure> {
 
 /// Checks that the output may be written, before anything is read.
 fn check(args: &ConvertArgs, reads: &[PathBuf]) -> Result<(), Failure> {
-    check_file(&args.output, overwrite(args), reads).map_err(|e| Failure::of(&e, e.is_input()))
+    Ok(check_file(&args.output, overwrite(args), reads)?)
 }
 
 /// Writes the output, whole or not at all; never over a file that was read.
 fn put(args: &ConvertArgs, bytes: &[u8], reads: &[PathBuf]) -> Result<(), Failure> {
-    write_file(&args.output, bytes, overwrite(args), reads).map_err(|e| Failure::of(&e, e.is_input()))
+    Ok(write_file(&args.output, bytes, overwrite(args), reads)?)
 }
 
 fn overwrite(args: &ConvertArgs) -> Overwrite {

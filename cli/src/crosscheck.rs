@@ -2,7 +2,8 @@
 
 use std::path::{Path, PathBuf};
 
-use crosscheck::{CrossCheck, CrossCheckError, Event, Options, report, results};
+use crosscheck::{CrossCheck, Event, Options, report, results};
+use takes::results::folder::Folder;
 
 use crate::args::CrosscheckArgs;
 use crate::failure::Failure;
@@ -16,10 +17,10 @@ use crate::progress::progress;
 pub fn run(args: &CrosscheckArgs) -> Result<(), Failure> {
     let progress = progress();
     let stem = args.input.file_stem().map_or_else(|| "model".into(), |s| s.to_string_lossy().into_owned());
-    let dir = args.out.clone().unwrap_or_else(|| Path::new("out").join(format!("{stem}-crosscheck")));
+    let dir = output::folder(args.out.as_deref(), &format!("{stem}-crosscheck"));
     let reads: Vec<PathBuf> =
         [&args.input].into_iter().chain(&args.patch).chain(&args.against).cloned().collect();
-    results::check(&dir, &reads)?;
+    Folder::check(&dir, &results::plan(&reads))?;
     let options = Options {
         seed: args.seed,
         states: args.states,
@@ -39,7 +40,7 @@ pub fn run(args: &CrosscheckArgs) -> Result<(), Failure> {
         }
         Event::Part(_, fraction) => progress.at(fraction),
     });
-    let cross = done.map_err(failure)?;
+    let cross = done?;
     progress.part("writing");
     results::write(&cross, &dir, &reads)?;
     drop(progress);
@@ -58,10 +59,6 @@ pub fn run(args: &CrosscheckArgs) -> Result<(), Failure> {
             Err(Failure::Run(format!("{n} of {all} checks fail: {}", names.join("; "))))
         }
     }
-}
-
-fn failure(e: CrossCheckError) -> Failure {
-    if e.is_input() { Failure::input(e) } else { Failure::run(e) }
 }
 
 fn summary(cross: &CrossCheck, dir: &Path) -> String {

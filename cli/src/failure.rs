@@ -25,11 +25,6 @@ impl Failure {
         Self::Run(e.to_string())
     }
 
-    /// Of an error that states whether the input is at fault.
-    pub fn of(e: impl Display, is_input: bool) -> Self {
-        if is_input { Self::input(e) } else { Self::run(e) }
-    }
-
     /// The exit code.
     pub fn code(&self) -> ExitCode {
         match self {
@@ -45,17 +40,34 @@ impl From<takes::TakeError> for Failure {
     }
 }
 
-impl From<takes::WriteError> for Failure {
-    fn from(e: takes::WriteError) -> Self {
-        let input = e.is_input();
-        Self::of(e, input)
-    }
+/// Errors that state whether the input is at fault.
+macro_rules! at_fault {
+    ($($error:ty),+) => {$(
+        impl From<$error> for Failure {
+            fn from(e: $error) -> Self {
+                if e.is_input() { Self::input(e) } else { Self::run(e) }
+            }
+        }
+    )+};
 }
 
-impl From<takes::PerformError> for Failure {
-    fn from(e: takes::PerformError) -> Self {
-        let input = e.is_input();
-        Self::of(e, input)
+at_fault!(
+    takes::WriteError,
+    takes::PerformError,
+    takes::results::folder::FolderError,
+    takes::results::analysis_write::AnalysisWriteError,
+    takes::starter::StarterError,
+    studies::push::PushError,
+    studies::tune::SessionError,
+    studies::tune::TuneError,
+    studies::tune::SweepError,
+    crosscheck::CrossCheckError
+);
+
+/// All faults of a request are of its input: nothing is random, and nothing outside is asked.
+impl From<takes::retargeting::RetargetingError> for Failure {
+    fn from(e: takes::retargeting::RetargetingError) -> Self {
+        Self::input(e)
     }
 }
 

@@ -51,8 +51,7 @@ pub fn run(args: &InspectArgs) -> Result<(), Failure> {
         );
         let overwrite = if args.force { Overwrite::Allow } else { Overwrite::Refuse };
         let text_of_body = character_file::write(&body, &comment);
-        write_file(file, text_of_body.as_bytes(), overwrite, std::slice::from_ref(&args.input))
-            .map_err(|e| Failure::of(&e, e.is_input()))?;
+        write_file(file, text_of_body.as_bytes(), overwrite, std::slice::from_ref(&args.input))?;
         if !args.json {
             let _ = writeln!(text, "\nbody written to {}", file.display());
         }

@@ -109,7 +109,7 @@ fn json<'a>(entries: impl Iterator<Item = &'a Entry>) -> Result<String, Failure>
 /// # Errors
 /// A folder that holds files of its names, or that cannot be written to.
 pub fn new(args: &NewArgs) -> Result<(), Failure> {
-    let written = starter::write(&args.dir).map_err(|e| Failure::of(&e, e.is_input()))?;
+    let written = starter::write(&args.dir)?;
     let files: String = written.iter().map(|f| format!("wrote {}\n", f.display())).collect();
     let here = matches!(args.dir.to_str(), Some("." | "./"));
     let enter = if here { String::new() } else { format!("cd {} && ", args.dir.display()) };

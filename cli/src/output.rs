@@ -1,7 +1,7 @@
 //! Text on standard output, and what is said of results.
 
 use std::io::{self, Write};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use takes::results::write::Undrawn;
 
@@ -19,6 +19,11 @@ pub fn print(text: &str) -> Result<(), Failure> {
         }
         _ => Ok(()),
     }
+}
+
+/// The folder for results: the one asked for, or `out/NAME`.
+pub fn folder(asked: Option<&Path>, name: &str) -> PathBuf {
+    asked.map_or_else(|| Path::new("out").join(name), Path::to_owned)
 }
 
 /// Names figures that could not be drawn; everything else is on disk by then.

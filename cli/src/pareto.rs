@@ -5,6 +5,7 @@ use std::path::Path;
 
 use studies::pareto::{self, FIDELITIES, Pareto, results};
 use takes::overrides::RootChoice;
+use takes::results::folder::Folder;
 use takes::results::number;
 use takes::{Ask, Overrides};
 
@@ -26,9 +27,9 @@ pub fn run(args: &RenderArgs, fidelities: &[f64]) -> Result<(), Failure> {
     // not pinned: a clip that stands is asked for on planted feet
     let ask = Ask { overrides: Overrides { root: Some(RootChoice::Free), ..ask.overrides }, ..ask };
     let take = takes::open(args.input.as_path(), &ask)?;
-    let dir = args.out.clone().unwrap_or_else(|| Path::new("out").join(format!("{}-pareto", take.name)));
+    let dir = output::folder(args.out.as_deref(), &format!("{}-pareto", take.name));
     let reads: Vec<_> = take.files.iter().cloned().chain(args.reads()).collect();
-    results::check(&dir, &reads)?;
+    Folder::check(&dir, &results::plan(&reads))?;
     let engines = engines();
     let engine = take.engine(&engines)?;
     progress.part("performing");

@@ -2,8 +2,9 @@
 
 use std::path::Path;
 
-use studies::push::{self, PushError, PushMap, results};
+use studies::push::{self, PushMap, results};
 use takes::Ask;
+use takes::results::folder::Folder;
 
 use crate::args::PushArgs;
 use crate::engines::engines;
@@ -20,21 +21,16 @@ pub fn run(args: &PushArgs) -> Result<(), Failure> {
     let overrides = args.physics.overrides().map_err(Failure::input)?;
     let ask = Ask { overrides, engine: args.physics.engine.clone(), ..Ask::default() };
     let take = takes::open(args.input.as_path(), &ask)?;
-    let dir = args.out.clone().unwrap_or_else(|| Path::new("out").join(format!("{}-push", take.name)));
-    results::check(&dir, &take.files)?;
+    let dir = output::folder(args.out.as_deref(), &format!("{}-push", take.name));
+    Folder::check(&dir, &results::plan(&take.files))?;
     let engines = engines();
     let engine = take.engine(&engines)?;
     progress.part("pushing");
-    let mut map = push::map(&take, args.settings(), engine, &|x| progress.at(x)).map_err(failure)?;
+    let mut map = push::map(&take, args.settings(), engine, &|x| progress.at(x))?;
     let undrawn = map.write(&dir, !args.no_plots, &take.files, &progress)?;
     drop(progress);
     output::print(&if args.json { map.to_json() } else { summary(&map, &dir) })?;
     output::undrawn(&undrawn, &dir)
-}
-
-fn failure(e: PushError) -> Failure {
-    let input = e.is_input();
-    Failure::of(e, input)
 }
 
 /// The word for a direction, if it has one.

@@ -1,7 +1,5 @@
 //! `render`: a scene or a clip to a folder of clips, trace, report and figures.
 
-use std::path::Path;
-
 use takes::{Ask, What};
 
 use crate::args::RenderArgs;
@@ -23,7 +21,7 @@ pub fn run(args: &RenderArgs) -> Result<(), Failure> {
     let progress = progress();
     progress.part("staging");
     let take = takes::open(args.input.as_path(), &ask(args)?)?;
-    let dir = args.out.clone().unwrap_or_else(|| Path::new("out").join(&take.name));
+    let dir = output::folder(args.out.as_deref(), &take.name);
     let what = What { figures: !args.no_plots, reads: args.reads() };
     let engines = engines();
     take.engine(&engines)?;
@@ -57,7 +55,7 @@ pub fn ask(args: &RenderArgs) -> Result<Ask, Failure> {
 
 /// Refuses options that would do nothing.
 fn check(args: &RenderArgs) -> Result<(), Failure> {
-    let is_scene = args.input.extension().is_some_and(|e| e.eq_ignore_ascii_case("ron"));
+    let is_scene = takes::is_ron(&args.input);
     if args.no_edits && !is_scene {
         let path = args.input.display();
         return Err(Failure::Input(format!(

@@ -5,10 +5,11 @@ use std::path::{Path, PathBuf};
 
 use motion::names::Word;
 use studies::retarget::{StudiedReport, compare, results, study};
+use takes::results::folder::Folder;
 use takes::results::number;
 use takes::results::write::PLOTS;
 use takes::retarget::{Options, PipelineStage};
-use takes::retargeting::{self, Actor, Performance, RetargetReport, RetargetingError, Session};
+use takes::retargeting::{self, Actor, Performance, RetargetReport, Session};
 
 use crate::args::RetargetArgs;
 use crate::failure::Failure;
@@ -21,7 +22,7 @@ use crate::summary::line;
 /// # Errors
 /// Bad input, a motion that cannot be mapped, files that cannot be written.
 pub fn run(args: &RetargetArgs) -> Result<(), Failure> {
-    let is_scene = args.input.extension().is_some_and(|e| e.eq_ignore_ascii_case("ron"));
+    let is_scene = takes::is_ron(&args.input);
     let option = args.clip.given().or(args.body.as_ref().map(|_| "--body"));
     if let Some(option) = option.filter(|_| is_scene) {
         let path = args.input.display();
@@ -33,14 +34,14 @@ pub fn run(args: &RetargetArgs) -> Result<(), Failure> {
     let progress = progress();
     progress.part("reading");
     let performance = performance(args)?;
-    let session = Session::of(performance, &args.to, args.keyposes.as_deref()).map_err(failure)?;
-    let dir = args.out.clone().unwrap_or_else(|| Path::new("out").join(session.name()));
+    let session = Session::of(performance, &args.to, args.keyposes.as_deref())?;
+    let dir = output::folder(args.out.as_deref(), &session.name());
     let reads = reads(args, &session);
     if args.sheet {
         let files = results::write_sheet(&session, &dir)?;
         return output::print(&files.iter().map(|f| format!("{}\n", f.display())).collect::<String>());
     }
-    results::check(&dir, &reads)?;
+    Folder::check(&dir, &results::plan(&reads))?;
 
     progress.part("mapping");
     let mut options = Options {
@@ -53,23 +54,23 @@ pub fn run(args: &RetargetArgs) -> Result<(), Failure> {
     options.global.size = args.size_ratio;
     options.refine.dofs = args.refine.clone();
     if let Some(path) = &args.contacts {
-        options.contact.phases = Some(session.contacts(path).map_err(failure)?);
+        options.contact.phases = Some(session.contacts(path)?);
     }
-    let mapping = session.learn(&options).map_err(failure)?;
-    let done = session.run(&mapping, &options).map_err(failure)?;
+    let mapping = session.learn(&options)?;
+    let done = session.run(&mapping, &options)?;
     let suggested = match args.suggest_keyposes {
-        Some(n) => session.suggest(&mapping, &done, n).map_err(failure)?,
+        Some(n) => session.suggest(&mapping, &done, n)?,
         None => Vec::new(),
     };
     let run = RetargetReport::new(&session, options.model, &done, suggested);
     let mut report = StudiedReport { run, models: Vec::new(), study: None };
     if args.compare {
         progress.part("comparing");
-        report.models = compare::compare(&session, &options).map_err(failure)?;
+        report.models = compare::compare(&session, &options)?;
     }
     if args.study {
         progress.part("studying");
-        report.study = Some(study::study(&session, &done.human).map_err(failure)?);
+        report.study = Some(study::study(&session, &done.human)?);
     }
     let undrawn = results::write(&session, &done, &mut report, &dir, !args.no_plots, &reads, &progress)?;
     drop(progress);
@@ -86,24 +87,19 @@ fn reads(args: &RetargetArgs, session: &Session) -> Vec<PathBuf> {
 
 /// The human motion.
 fn performance(args: &RetargetArgs) -> Result<Performance, Failure> {
-    Performance::with_body(&args.input, args.body.as_deref(), &args.clip.import()).map_err(failure)
+    Performance::with_body(&args.input, args.body.as_deref(), &args.clip.import()).map_err(Failure::from)
 }
 
 /// Prints first guesses.
 fn guess(args: &RetargetArgs) -> Result<(), Failure> {
-    let actor = Actor::open(&args.to).map_err(failure)?;
+    let actor = Actor::open(&args.to)?;
     let performance = performance(args)?;
     let mut text = String::new();
     for &at_s in &args.guess {
-        text += &retargeting::guess(&performance, &actor, at_s).map_err(failure)?;
+        text += &retargeting::guess(&performance, &actor, at_s)?;
         text.push('\n');
     }
     output::print(&text)
-}
-
-/// Every error is one of the input: the pipeline is deterministic and uses no other program.
-fn failure(e: RetargetingError) -> Failure {
-    Failure::input(e)
 }
 
 fn summary(studied: &StudiedReport, dir: &Path) -> String {

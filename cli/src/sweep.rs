@@ -14,15 +14,8 @@ use crate::failure::Failure;
 use crate::output;
 use crate::progress::progress;
 
-fn failure(e: SweepError) -> Failure {
-    match e {
-        SweepError::File { .. } => Failure::run(e),
-        _ => Failure::input(e),
-    }
-}
-
 fn folder(args: &TuneArgs, take: &Take) -> Result<PathBuf, Failure> {
-    let dir = args.out.clone().unwrap_or_else(|| Path::new("out").join(format!("{}-sweep", take.name)));
+    let dir = output::folder(args.out.as_deref(), &format!("{}-sweep", take.name));
     std::fs::create_dir_all(&dir)
         .map_err(|e| Failure::run(format!("cannot write into {}: {e}", dir.display())))?;
     Ok(dir)
@@ -33,14 +26,11 @@ fn folder(args: &TuneArgs, take: &Take) -> Result<PathBuf, Failure> {
 /// # Errors
 /// Bad input, files that cannot be written.
 pub fn run(args: &TuneArgs, take: &Take) -> Result<(), Failure> {
-    let (axes, shard) = args.grid().map_err(failure)?;
-    let grid = Grid::new(axes).map_err(failure)?;
+    let (axes, shard) = args.grid()?;
+    let grid = Grid::new(axes)?;
     let engines = engines();
     let engine = take.engine(&engines)?;
-    let cost = Cost::new(take, &take.tune, engine).map_err(|e| match e.is_input() {
-        true => Failure::input(e),
-        false => Failure::run(e),
-    })?;
+    let cost = Cost::new(take, &take.tune, engine)?;
     let identity = grid.identity(&take.name, &tune::digest(take, &take.tune));
     let dir = folder(args, take)?;
     let path = dir.join(TABLE);
@@ -50,9 +40,9 @@ pub fn run(args: &TuneArgs, take: &Take) -> Result<(), Failure> {
     }
     let progress = progress();
     progress.part("sweeping");
-    let made = sweep::run(&cost, &grid, shard, &identity, &path, &mut |x| progress.at(x)).map_err(failure)?;
+    let made = sweep::run(&cost, &grid, shard, &identity, &path, &mut |x| progress.at(x))?;
     drop(progress);
-    let table = sweep::read(&path, Some(&identity)).map_err(failure)?;
+    let table = sweep::read(&path, Some(&identity))?;
     let all: BTreeMap<usize, Sample> = table.samples.into_iter().collect();
     let missing = shard.samples(grid.len()).filter(|i| !all.contains_key(i)).count();
     let text = format!(
@@ -73,7 +63,7 @@ pub fn merge(args: &TuneArgs, take: &Take) -> Result<(), Failure> {
     let (table, all) = sweep::merge(&args.merge).map_err(|e| match e {
         // the tables to merge are the input, so an error of them is one of the input
         SweepError::File { .. } => Failure::input(e),
-        e => failure(e),
+        e => e.into(),
     })?;
     let digest = tune::digest(take, &take.tune);
     if !table.identity.ends_with(&format!("input={digest}")) {
@@ -87,8 +77,7 @@ pub fn merge(args: &TuneArgs, take: &Take) -> Result<(), Failure> {
     for (i, s) in &all {
         text += &(journal::line(*i, s) + "\n");
     }
-    write_file(&dir.join(TABLE), text.as_bytes(), Overwrite::Allow, &args.merge)
-        .map_err(|e| Failure::of(&e, e.is_input()))?;
+    write_file(&dir.join(TABLE), text.as_bytes(), Overwrite::Allow, &args.merge)?;
     let expected = sweep::samples_of(&table.identity);
     let text = match expected {
         Some(n) if n > all.len() => {

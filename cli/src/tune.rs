@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use motion::names::Word;
-use studies::tune::{self, Search, SearchStart, Session, SessionError, TERMS, TuneReport, page};
+use studies::tune::{self, Search, SearchStart, Session, TERMS, TuneReport, page};
 use takes::{Ask, Overrides, Take};
 
 use crate::args::TuneArgs;
@@ -22,7 +22,7 @@ pub fn run(args: &TuneArgs) -> Result<(), Failure> {
         return output::print(&page::list());
     }
     let input = args.input.as_deref().unwrap_or(Path::new(""));
-    if !input.extension().is_some_and(|e| e.eq_ignore_ascii_case("ron")) {
+    if !takes::is_ron(input) {
         return Err(Failure::Input(format!(
             "{}: allowed: a scene (.ron) of a body that stands",
             input.display()
@@ -60,7 +60,7 @@ fn search(args: &TuneArgs, take: &Take) -> Result<(), Failure> {
         start: from_scene.then_some(scene),
         step: if from_scene { 0.15 } else { 0.3 },
     };
-    let dir = args.out.clone().unwrap_or_else(|| Path::new("out").join(format!("{}-tune", take.name)));
+    let dir = output::folder(args.out.as_deref(), &format!("{}-tune", take.name));
     let reads: Vec<_> = take.files.iter().chain(&args.patch).cloned().collect();
     Session::check(&dir, &reads)?;
     let (solver, seed) = (search.solver.word(), search.seed);
@@ -81,15 +81,10 @@ fn search(args: &TuneArgs, take: &Take) -> Result<(), Failure> {
     let engines = engines();
     let engine = take.engine(&engines)?;
     let progress = progress();
-    let (report, undrawn) = session.run(take, engine, &dir, &mut announce, &progress).map_err(failure)?;
+    let (report, undrawn) = session.run(take, engine, &dir, &mut announce, &progress)?;
     drop(progress);
     output::print(&if args.json { report.to_json() } else { summary(&report, &dir) })?;
     output::undrawn(&undrawn, &dir)
-}
-
-fn failure(e: SessionError) -> Failure {
-    let input = e.is_input();
-    Failure::of(e, input)
 }
 
 /// The summary on standard output.

@@ -5,24 +5,15 @@ use std::path::{Path, PathBuf};
 use formats::trace_npz;
 use takes::WriteError;
 use takes::results::folder::{Earlier, Folder, Plan};
-use takes::results::write::PLOTS;
+use takes::results::write::save_figure;
 
 use crate::{CrossCheck, report};
 
-fn plan<'a>(planned: &'a [String], reads: &'a [PathBuf]) -> Plan<'a> {
+/// What a cross-check leaves in its folder; [`Folder::check`] with it finds out before the engines run. `reads`: files that are never
+/// replaced.
+pub fn plan(reads: &[PathBuf]) -> Plan<'_> {
+    let planned = &["crosscheck.json", "crosscheck.txt", "crosscheck.html"];
     Plan { command: "crosscheck", planned, reads, earlier: Earlier::Remove }
-}
-
-fn planned() -> Vec<String> {
-    ["crosscheck.json", "crosscheck.txt", "crosscheck.html"].map(str::to_owned).to_vec()
-}
-
-/// Checks, before the engines run, that a cross-check can be written into `dir`. `reads`: files that are never replaced.
-///
-/// # Errors
-/// A folder that cannot be written to; a file in it that is not ours, or was read.
-pub fn check(dir: &Path, reads: &[PathBuf]) -> Result<(), WriteError> {
-    Ok(Folder::check(dir, &plan(&planned(), reads))?)
 }
 
 /// Writes everything into `dir`: the table and the traces first, then page and figures.
@@ -30,8 +21,7 @@ pub fn check(dir: &Path, reads: &[PathBuf]) -> Result<(), WriteError> {
 /// # Errors
 /// [`WriteError`].
 pub fn write(cross: &CrossCheck, dir: &Path, reads: &[PathBuf]) -> Result<(), WriteError> {
-    let planned = planned();
-    let mut folder = Folder::begin(dir, &plan(&planned, reads))?;
+    let mut folder = Folder::begin(dir, &plan(reads))?;
     for (what, name, text) in [
         ("crosscheck_json", "crosscheck.json", report::json(cross)),
         ("crosscheck_txt", "crosscheck.txt", report::text(cross)),
@@ -49,15 +39,8 @@ pub fn write(cross: &CrossCheck, dir: &Path, reads: &[PathBuf]) -> Result<(), Wr
         }
     }
     folder.commit()?;
-    let figures = report::figures(cross);
-    if !figures.is_empty() {
-        let plots = folder.top().make(PLOTS)?;
-        for (stem, figure) in figures {
-            figure.save(&plots, stem).map_err(|e| WriteError::file(stem, e))?;
-            for kind in ["svg", "png"] {
-                folder.add(&format!("{stem}_{kind}"), &format!("{PLOTS}/{stem}.{kind}"))?;
-            }
-        }
+    for (stem, figure) in report::figures(cross) {
+        save_figure(&mut folder.top(), stem, &figure)?;
     }
     let page = report::html(cross).map_err(|e| WriteError::file("crosscheck.html", e))?;
     folder.add("crosscheck_html", "crosscheck.html")?;

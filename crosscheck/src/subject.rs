@@ -310,7 +310,7 @@ fn open(path: &Path, options: &Options) -> Result<Subject, CrossCheckError> {
     if formats::table::is_clip(path) {
         return take();
     }
-    if !path.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("ron")) {
+    if !takes::is_ron(path) {
         return Err(CrossCheckError::Kind(path.display().to_string()));
     }
     match takes::character_in(path).map_err(TakeError::from)? {

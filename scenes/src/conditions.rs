@@ -48,6 +48,12 @@ impl Physics {
             balance: BalanceSettings::default(),
         }
     }
+
+    /// Magnitude of gravity, m/s²; `None` unless it points straight down.
+    pub fn gravity_down_m_s2(&self) -> Option<f64> {
+        let down = -self.gravity.y;
+        (down > 0.0 && self.gravity.xz().norm() <= 1e-9 * down).then_some(down)
+    }
 }
 
 /// Whose time something keeps.

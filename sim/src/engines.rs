@@ -2,7 +2,7 @@
 //!
 //! In: names and constructors. Out: an [`EngineEntry`], the value that [`Pass::start`](crate::Pass::start) builds its
 //! engine from. [`Engines::default`] knows the engine of this crate; a program adds others by
-//! [`register`](Engines::register), and nothing else has to know of them.
+//! [`add`](Engines::add), and nothing else has to know of them.
 
 use std::fmt;
 use std::sync::Arc;
@@ -90,7 +90,7 @@ pub struct UnknownEngine {
     pub allowed: String,
 }
 
-/// The engines of a program, by name, in the order in which they were registered.
+/// The engines of a program, by name, in the order in which they were added.
 #[derive(Clone, Debug)]
 pub struct Engines(Vec<EngineEntry>);
 
@@ -106,27 +106,15 @@ impl Engines {
     ///
     /// # Examples
     /// ```
-    /// use sim::{EngineError, Engines};
+    /// use sim::{EngineEntry, EngineError, Engines};
     /// let mut engines = Engines::default();
-    /// let none = |_: &_, _, _: &[f64], _: &[f64]| Err(EngineError::Failed("not on this machine".into()));
-    /// engines.register("bullet", "an engine of another kind", none);
+    /// engines.add(EngineEntry::new("bullet", "an engine of another kind", |_, _, _, _| {
+    ///     Err(EngineError::Failed("not on this machine".into()))
+    /// }));
     /// assert_eq!(engines.get("bullet").unwrap().name(), "bullet");
     /// let error = engines.get("bulet").unwrap_err().to_string();
     /// assert_eq!(error, "unknown engine `bulet`; did you mean `bullet`? (allowed: rapier, bullet)");
     /// ```
-    pub fn register(
-        &mut self,
-        name: &str,
-        description: &str,
-        build: impl Fn(&Character, EngineSettings, &[f64], &[f64]) -> Result<Box<dyn Engine>, EngineError>
-        + Send
-        + Sync
-        + 'static,
-    ) {
-        self.add(EngineEntry::new(name, description, build));
-    }
-
-    /// Adds an entry made elsewhere; one of the same name is replaced.
     pub fn add(&mut self, entry: EngineEntry) {
         match self.0.iter_mut().find(|e| e.name == entry.name) {
             Some(old) => *old = entry,

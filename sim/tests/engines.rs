@@ -15,7 +15,9 @@ use motion::rotation::exp;
 use motion::script::{Action, Cycle, Pose, PoseValue, Properties, Script};
 use motion::{Joint, Link, Shape, Vec3};
 use nalgebra::Matrix3;
-use sim::{ContactForce, Engine, EngineError, EngineSettings, Engines, Outcome, Pass, PassError};
+use sim::{
+    ContactForce, Engine, EngineEntry, EngineError, EngineSettings, Engines, Outcome, Pass, PassError,
+};
 use solids::character;
 
 /// A body that is at once where its drives rest.
@@ -105,7 +107,11 @@ impl Engine for Kinematic {
 
 fn engines() -> Engines {
     let mut all = Engines::default();
-    all.register("kinematic", "no masses and no forces: drives are reached at once", Kinematic::build);
+    all.add(EngineEntry::new(
+        "kinematic",
+        "no masses and no forces: drives are reached at once",
+        Kinematic::build,
+    ));
     all
 }
 

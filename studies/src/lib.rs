@@ -6,9 +6,11 @@
 //! |---|---|
 //! | [`push`] | the push-recovery map of a standing body |
 //! | [`tune`] | parameters chosen by a search over a cost |
+//! | `level_ground` | the ground that pushes and costs need |
 //! | [`pareto`] | the trade between fidelity and help from outside |
 //! | [`retarget`] | how good a set of key poses is; models side by side |
 
+mod level_ground;
 pub mod pareto;
 pub mod push;
 pub mod retarget;

@@ -28,7 +28,7 @@ use scenes::library::{self, Kind};
 
 use crate::open::open as open_take;
 use crate::take::{ClipSource, Source};
-use crate::{Ask, TakeError};
+use crate::{Ask, TakeError, is_ron};
 
 /// Why a motion cannot be opened or analysed.
 #[derive(Debug, thiserror::Error)]
@@ -142,12 +142,12 @@ pub fn open(
         return of_trace(&file);
     }
     let path = &library::resolve(path, &[Kind::Scene]).map_err(TakeError::from)?;
-    let kind = path.extension().map(|e| e.to_string_lossy().to_lowercase());
-    match kind.as_deref() {
-        Some("npz") => of_trace(path),
-        Some("ron") => of_take(path, body, import),
-        _ if formats::table::is_clip(path) => of_take(path, body, import),
-        _ => Err(AnalysisInputError::Kind(path.display().to_string())),
+    if path.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("npz")) {
+        of_trace(path)
+    } else if is_ron(path) || formats::table::is_clip(path) {
+        of_take(path, body, import)
+    } else {
+        Err(AnalysisInputError::Kind(path.display().to_string()))
     }
 }
 

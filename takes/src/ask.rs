@@ -61,6 +61,6 @@ pub struct Ask {
 }
 
 /// Whether the name says a scene, a character or another text of ours.
-pub(crate) fn is_ron(path: &Path) -> bool {
+pub fn is_ron(path: &Path) -> bool {
     path.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("ron"))
 }

@@ -42,7 +42,7 @@ pub mod starter;
 pub mod take;
 
 pub use analysis::{AnalysisInput, AnalysisInputError, AnalysisSettings, AnalysisSource};
-pub use ask::{Ask, Input};
+pub use ask::{Ask, Input, is_ron};
 pub use conditions::Conditions;
 pub use dynamics::{Analysis, RootMode, Trace};
 pub use error::TakeError;

@@ -104,8 +104,7 @@ impl Place {
 
     /// Files as a run leaves them, with a manifest.
     pub fn earlier_run(&self, folder: &str, names: &[&str]) {
-        let planned: Vec<String> = names.iter().map(|n| (*n).to_owned()).collect();
-        let plan = Plan { command: "render", planned: &planned, ..Plan::default() };
+        let plan = Plan { command: "render", planned: names, ..Plan::default() };
         let mut made = Folder::begin(&self.at(folder), &plan).unwrap();
         names.iter().for_each(|name| made.write(name, b"earlier").unwrap());
         made.commit().unwrap();

@@ -96,7 +96,25 @@ impl Check<'_> {
         }
         match motion {
             MotionRon::Clip(file) => self.clip(ron, file),
-            MotionRon::Retarget { .. } => self.retarget(motion, character),
+            MotionRon::Retarget { of, keyposes, model, stop_after, size, refine, sway, contacts } => {
+                let contacts = contacts.as_ref();
+                let contacts = contacts
+                    .map(|file| self.source.beside("motion.contacts", "file of contact phases", file));
+                Ok(SceneSource::Retarget(Box::new(RetargetSpec {
+                    of: self.source.beside("motion.of", "performance", of)?,
+                    to: character.to_owned(),
+                    key_poses: keyposes.as_ref().map(|k| library::beside(self.source.path(), k)),
+                    contacts: contacts.transpose()?,
+                    options: retarget::Options {
+                        model: model.0,
+                        stop_after: stop_after.0,
+                        global: GlobalOptions { size: self.size(size.0)?, ..GlobalOptions::default() },
+                        refine: RefineOptions { dofs: refine.0.clone(), ..RefineOptions::default() },
+                        sway: *sway,
+                        ..retarget::Options::default()
+                    },
+                })))
+            }
         }
     }
 
@@ -120,31 +138,6 @@ impl Check<'_> {
             return Err(self.source.error("motion", e));
         }
         Ok(SceneSource::Clip(clip))
-    }
-
-    /// A human motion put on the character.
-    fn retarget(&self, motion: &MotionRon, character: &Path) -> Result<SceneSource, SceneError> {
-        let MotionRon::Retarget { of, keyposes, model, stop_after, size, refine, sway, contacts } = motion
-        else {
-            return Err(self.source.error("motion", "not a retargeted motion"));
-        };
-        Ok(SceneSource::Retarget(Box::new(RetargetSpec {
-            of: self.source.beside("motion.of", "performance", of)?,
-            to: character.to_owned(),
-            key_poses: keyposes.as_ref().map(|k| library::beside(self.source.path(), k)),
-            contacts: match contacts {
-                Some(file) => Some(self.source.beside("motion.contacts", "file of contact phases", file)?),
-                None => None,
-            },
-            options: retarget::Options {
-                model: model.0,
-                stop_after: stop_after.0,
-                global: GlobalOptions { size: self.size(size.0)?, ..GlobalOptions::default() },
-                refine: RefineOptions { dofs: refine.0.clone(), ..RefineOptions::default() },
-                sway: *sway,
-                ..retarget::Options::default()
-            },
-        })))
     }
 
     fn size(&self, size: SizeRatio) -> Result<SizeRatio, SceneError> {

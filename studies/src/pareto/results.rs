@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use plots::TradePoint;
 use takes::results::figures::Draw;
-use takes::results::folder::{Earlier, Folder, Plan};
+use takes::results::folder::{Earlier, Plan};
 use takes::results::write::{Undrawn, write_report};
 use takes::{Progress, WriteError};
 
@@ -13,16 +13,10 @@ use super::Pareto;
 /// The figure's stem.
 const FIGURE: &str = "pareto";
 
-fn plan<'a>(planned: &'a [String], reads: &'a [PathBuf]) -> Plan<'a> {
-    Plan { command: "render --pareto", planned, reads, earlier: Earlier::Remove }
-}
-
-/// Checks, before many runs, that a curve can be written into `dir`. `reads`: files that are never replaced.
-///
-/// # Errors
-/// A folder that cannot be written to; a file in it that is not ours, or was read.
-pub fn check(dir: &Path, reads: &[PathBuf]) -> Result<(), WriteError> {
-    Ok(Folder::check(dir, &plan(&["report.json".into()], reads))?)
+/// What a curve leaves in its folder; [`takes::results::folder::Folder::check`] with it finds out before many runs.
+/// `reads`: files that are never replaced.
+pub fn plan(reads: &[PathBuf]) -> Plan<'_> {
+    Plan { command: "render --pareto", planned: &["report.json"], reads, earlier: Earlier::Remove }
 }
 
 impl Pareto {
@@ -44,8 +38,7 @@ impl Pareto {
             self.files = files;
             self.to_json()
         };
-        let planned = ["report.json".to_owned()];
-        write_report(dir, &plan(&planned, reads), &mut |_| Ok(()), drawn, &mut report, progress)
+        write_report(dir, &plan(reads), &mut |_| Ok(()), drawn, &mut report, progress)
     }
 }
 

@@ -33,6 +33,8 @@ use sim::{EngineEntry, Pass, PassError};
 
 use takes::Take;
 
+use crate::level_ground::LevelGround;
+
 pub use limit::{limit_ns, to_edge};
 pub use scenes::angle::direction;
 
@@ -252,14 +254,8 @@ impl PushTest {
             RootMode::Pinned => return Err(held("its root is pinned")),
             RootMode::Assisted { .. } => return Err(held("its root is assisted")),
         }
-        let floor = physics.ground.ok_or_else(|| held("it has no ground"))?.height_m;
-        if !take.conditions.tilts.is_empty() {
-            return Err(held("its ground tilts"));
-        }
-        let g = -physics.gravity.y;
-        if g <= 0.0 || physics.gravity.xz().norm() > 1e-9 * g {
-            return Err(held("its gravity does not point down"));
-        }
+        let LevelGround { height_m: floor, gravity_m_s2: g } =
+            LevelGround::of(&take.conditions).map_err(held)?;
         let planted = |leg: &Limb| take.asked.plants.iter().any(|p| p.limb == *leg);
         let feet = take.body.character.leg_soles().into_iter();
         let soles: Vec<Sole> = feet.filter(|(leg, _)| planted(leg)).map(|(_, sole)| sole).collect();

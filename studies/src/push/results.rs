@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use plots::Spoke;
 use takes::results::figures::Draw;
-use takes::results::folder::{Earlier, Folder, Plan};
+use takes::results::folder::{Earlier, Plan};
 use takes::results::write::{Undrawn, write_report};
 use takes::{Progress, WriteError};
 
@@ -13,16 +13,10 @@ use super::PushMap;
 /// The figure's stem.
 const FIGURE: &str = "push";
 
-fn plan<'a>(planned: &'a [String], reads: &'a [PathBuf]) -> Plan<'a> {
-    Plan { command: "push", planned, reads, earlier: Earlier::Remove }
-}
-
-/// Checks, before a long search, that a map can be written into `dir`. `reads`: files that are never replaced.
-///
-/// # Errors
-/// A folder that cannot be written to; a file in it that is not ours, or was read.
-pub fn check(dir: &Path, reads: &[PathBuf]) -> Result<(), WriteError> {
-    Ok(Folder::check(dir, &plan(&["report.json".into()], reads))?)
+/// What a push map leaves in its folder; [`takes::results::folder::Folder::check`] with it finds out before a long search.
+/// `reads`: files that are never replaced.
+pub fn plan(reads: &[PathBuf]) -> Plan<'_> {
+    Plan { command: "push", planned: &["report.json"], reads, earlier: Earlier::Remove }
 }
 
 impl PushMap {
@@ -44,8 +38,7 @@ impl PushMap {
             self.files = files;
             self.to_json()
         };
-        let planned = ["report.json".to_owned()];
-        write_report(dir, &plan(&planned, reads), &mut |_| Ok(()), drawn, &mut report, progress)
+        write_report(dir, &plan(reads), &mut |_| Ok(()), drawn, &mut report, progress)
     }
 }
 

@@ -2,11 +2,10 @@
 
 use std::path::{Path, PathBuf};
 
-use formats::glb;
 use retarget::Retargeted;
 use scenes::contact_file;
 use takes::results::folder::{Earlier, Folder, Plan};
-use takes::results::write::{PLOTS, Undrawn, write_bvh, write_report};
+use takes::results::write::{Undrawn, write_bvh, write_figure, write_glb, write_report};
 use takes::retargeting::Session;
 use takes::{Progress, WriteError};
 
@@ -15,22 +14,11 @@ use super::{StudiedReport, figures};
 /// Metres in one unit of the BVH files written: centimetres.
 const UNIT: f64 = 0.01;
 
-fn planned() -> Vec<String> {
-    ["retargeted.bvh", "retargeted.glb", "human.bvh", "contacts.ron", "report.json"]
-        .map(str::to_owned)
-        .to_vec()
-}
-
-fn plan<'a>(planned: &'a [String], reads: &'a [PathBuf]) -> Plan<'a> {
+/// What a retargeted motion leaves in its folder; [`takes::results::folder::Folder::check`] with it finds out before the motion is mapped. `reads`: files that
+/// are never replaced.
+pub fn plan(reads: &[PathBuf]) -> Plan<'_> {
+    let planned = &["retargeted.bvh", "retargeted.glb", "human.bvh", "contacts.ron", "report.json"];
     Plan { command: "retarget", planned, reads, earlier: Earlier::Remove }
-}
-
-/// Checks, before the motion is mapped, that it can be written into `dir`. `reads`: files that are never replaced.
-///
-/// # Errors
-/// A folder that cannot be written to; a file in it that is not ours, or was read.
-pub fn check(dir: &Path, reads: &[PathBuf]) -> Result<(), WriteError> {
-    Ok(Folder::check(dir, &plan(&planned(), reads))?)
 }
 
 /// Writes everything into `dir`, and names the files in the report.
@@ -55,10 +43,7 @@ pub fn write(
             let text = contact_file::text(&session.actor.puppet, &done.phases);
             folder.write("contacts.ron", text.as_bytes())?;
         }
-        let path = folder.add("retargeted_glb", "retargeted.glb")?;
-        let body = session.body();
-        glb::write_file(&path, &done.clip, &body.solids(), &body.colors, &name)
-            .map_err(|e| WriteError::file("retargeted.glb", e))
+        write_glb(&mut folder.top(), "retargeted", &done.clip, &session.body(), &name)
     };
     let drawn = report.clone();
     let figures = if draw { figures::figures(session, &drawn, done) } else { Vec::new() };
@@ -66,7 +51,7 @@ pub fn write(
         report.run.files = files;
         report.to_json()
     };
-    write_report(dir, &plan(&planned(), reads), &mut data, &figures, &mut text, progress)
+    write_report(dir, &plan(reads), &mut data, &figures, &mut text, progress)
 }
 
 /// Draws all key poses beside the human poses they stand for into `plots/key_poses` of `dir`; the files written.
@@ -74,15 +59,5 @@ pub fn write(
 /// # Errors
 /// Of the folder and of the figure.
 pub fn write_sheet(session: &Session, dir: &Path) -> Result<Vec<PathBuf>, WriteError> {
-    let names = ["svg", "png"].map(|kind| format!("{PLOTS}/key_poses.{kind}"));
-    let plan = Plan { command: "retarget --sheet", planned: &names, reads: &[], earlier: Earlier::Keep };
-    let mut folder = Folder::begin(dir, &plan)?;
-    let place = folder.top().make(PLOTS)?;
-    let saved = figures::key_poses(session).save(&place, "key_poses");
-    saved.map_err(|e| WriteError::file(&names[0], e))?;
-    for (kind, name) in ["svg", "png"].iter().zip(&names) {
-        folder.add(&format!("key_poses_{kind}"), name)?;
-    }
-    folder.commit()?;
-    Ok(names.iter().map(|name| dir.join(name)).collect())
+    write_figure(dir, "retarget --sheet", "key_poses", &figures::key_poses(session))
 }

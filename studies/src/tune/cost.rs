@@ -34,6 +34,7 @@ use sim::{EngineEntry, PassError, Run};
 
 use super::search::{Objective, Sample};
 use super::{TuneError, TuneSpec};
+use crate::level_ground::LevelGround;
 use crate::push::{COM_AWAY_M, FOOT_MOVED_M, carrier, direction, limit_ns, to_edge};
 use takes::Take;
 
@@ -99,14 +100,8 @@ impl Cost {
         if physics.root != RootMode::Free {
             return Err(held("its root is held"));
         }
-        let floor = physics.ground.ok_or_else(|| held("it has no ground"))?.height_m;
-        if !take.conditions.tilts.is_empty() {
-            return Err(held("its ground tilts"));
-        }
-        let g = -physics.gravity.y;
-        if g <= 0.0 || physics.gravity.xz().norm() > 1e-9 * g {
-            return Err(held("its gravity does not point down"));
-        }
+        let LevelGround { height_m: floor, gravity_m_s2: g } =
+            LevelGround::of(&take.conditions).map_err(held)?;
         let character = take.body.character.clone();
         let model = Model::new(&character, physics.gravity);
         let planted = |leg: &Limb| take.asked.plants.iter().any(|p| p.limb == *leg);

@@ -80,12 +80,8 @@ impl SessionError {
     }
 }
 
-fn planned() -> Vec<String> {
-    ["patch.ron", "tune.html", SAMPLES, "report.json"].map(str::to_owned).to_vec()
-}
-
-fn plan<'a>(planned: &'a [String], reads: &'a [PathBuf], earlier: Earlier) -> Plan<'a> {
-    Plan { command: "tune", planned, reads, earlier }
+fn plan(reads: &[PathBuf], earlier: Earlier) -> Plan<'_> {
+    Plan { command: "tune", planned: &["patch.ron", "tune.html", SAMPLES, "report.json"], reads, earlier }
 }
 
 /// The state of a search in a folder.
@@ -97,8 +93,7 @@ struct State {
 
 impl State {
     fn open(dir: &Path, identity: String, reads: &[PathBuf]) -> Result<Self, SessionError> {
-        let planned = planned();
-        let folder = Folder::begin(dir, &plan(&planned, reads, Earlier::Keep))?;
+        let folder = Folder::begin(dir, &plan(reads, Earlier::Keep))?;
         Ok(Self { path: dir.join(SAMPLES), identity, folder })
     }
 
@@ -135,7 +130,7 @@ impl Session {
     /// # Errors
     /// A folder that cannot be written to; a file in it that is not ours, or was read.
     pub fn check(dir: &Path, reads: &[PathBuf]) -> Result<(), WriteError> {
-        Ok(Folder::check(dir, &plan(&planned(), reads, Earlier::Keep))?)
+        Ok(Folder::check(dir, &plan(reads, Earlier::Keep))?)
     }
 
     /// Searches, and writes everything into `dir`. `known` is called with the
@@ -243,13 +238,12 @@ impl Session {
             report.files = files;
             report.to_json()
         };
-        let planned = planned();
-        let plan = plan(&planned, &take.files, Earlier::Remove);
+        let plan = plan(&take.files, Earlier::Remove);
         let undrawn = write_report(dir, &plan, &mut data, &figures, &mut text, progress)?;
         Ok((report, undrawn))
     }
 
-    /// The patch that makes the scene what was result.
+    /// The patch that makes the scene what was found.
     fn patch(&self, take: &Take, result: &SearchResult) -> String {
         let changes = self.spec.parameters.iter().enumerate().map(|(i, parameter)| Change {
             parameter,

@@ -86,6 +86,13 @@ pub enum SweepError {
     },
 }
 
+impl SweepError {
+    /// Whether the fault lies in the input rather than in the run.
+    pub fn is_input(&self) -> bool {
+        !matches!(self, Self::File { .. })
+    }
+}
+
 /// The most samples of a grid.
 pub const MOST_SAMPLES: usize = 1_000_000;
 

@@ -8,8 +8,7 @@ use std::path::{Path, PathBuf};
 
 use plots::CostSlice;
 use takes::WriteError;
-use takes::results::folder::{Earlier, Folder, Plan};
-use takes::results::write::PLOTS;
+use takes::results::write::write_figure;
 
 use super::{Sample, journal, parameters};
 
@@ -33,16 +32,7 @@ pub fn draw(dir: &Path, head: &str, all: &BTreeMap<usize, Sample>) -> Result<Vec
         journal::parameters_of(head).iter().enumerate().map(|(k, name)| slice(k, name, all, best)).collect();
     let note = format!("{} samples of a grid.", all.len());
     let figure = plots::cost_slices(&slices, "Cost along each axis of the sweep", &note);
-    let names = ["svg", "png"].map(|kind| format!("{PLOTS}/{FIGURE}.{kind}"));
-    let plan = Plan { command: "tune --sweep", planned: &names, reads: &[], earlier: Earlier::Keep };
-    let mut folder = Folder::begin(dir, &plan)?;
-    let place = folder.top().make(PLOTS)?;
-    figure.save(&place, FIGURE).map_err(|e| WriteError::file(&names[0], e))?;
-    for (kind, name) in ["svg", "png"].iter().zip(&names) {
-        folder.add(&format!("{FIGURE}_{kind}"), name)?;
-    }
-    folder.commit()?;
-    Ok(names.iter().map(|name| dir.join(name)).collect())
+    write_figure(dir, "tune --sweep", FIGURE, &figure)
 }
 
 /// One axis: all samples, and the least cost at each of its values.

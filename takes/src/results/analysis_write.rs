@@ -109,8 +109,7 @@ impl AnalysisInput {
             tables.extend(table.files(analysis)?);
         }
         let reads: Vec<PathBuf> = what.reads.iter().chain([&self.path]).cloned().collect();
-        let planned: Vec<String> =
-            tables.iter().map(|t| t.0.to_owned()).chain(["report.json".into()]).collect();
+        let planned: Vec<&str> = tables.iter().map(|t| t.0).chain(["report.json"]).collect();
         let plan = Plan { command: "analyze", planned: &planned, reads: &reads, earlier: Earlier::Remove };
         let drawing = match what.sink_m {
             Some(sink_m) => Some(Drawing::new(self, Ok(analysis), sink_m, None)?),
@@ -197,7 +196,8 @@ pub fn write_figures(
             if sub.is_empty() { name } else { format!("{sub}/{name}") }
         })
     };
-    let planned: Vec<String> = figures.iter().flat_map(names).collect();
+    let all: Vec<String> = figures.iter().flat_map(names).collect();
+    let planned: Vec<&str> = all.iter().map(String::as_str).collect();
     let plan = Plan { command: "plot", planned: &planned, reads, earlier: Earlier::Keep };
     let mut folder = Folder::begin(dir, &plan)?;
     let mut undrawn = Vec::new();

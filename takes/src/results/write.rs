@@ -11,12 +11,13 @@ use std::path::{Path, PathBuf};
 use formats::bvh::WriteOptions;
 use formats::{bvh, glb, trace_npz};
 use motion::Clip;
+use plots::Figure;
 use sim::Outcome;
 
 use super::figures::{self, Draw};
 use super::folder::{Earlier, Folder, FolderError, Plan, Subfolder};
 use super::report::{Report, span_folder};
-use crate::{Performed, Progress, Runs, Take};
+use crate::{Body, Performed, Progress, Runs, Take};
 
 /// The folder of figures.
 pub const PLOTS: &str = "plots";
@@ -81,6 +82,46 @@ pub struct Written<R> {
     pub undrawn: Vec<Undrawn>,
 }
 
+/// How the files of a figure end.
+const KINDS: [&str; 2] = ["svg", "png"];
+
+/// Names the files of a figure in a folder's `plots`.
+fn add_figure(into: &mut Subfolder<'_>, stem: &str) -> Result<(), WriteError> {
+    for kind in KINDS {
+        into.add(&format!("{stem}_{kind}"), &format!("{PLOTS}/{stem}.{kind}"))?;
+    }
+    Ok(())
+}
+
+/// Saves a figure into a folder's `plots`.
+///
+/// # Errors
+/// Of the folder and of the figure.
+pub fn save_figure(into: &mut Subfolder<'_>, stem: &str, figure: &Figure) -> Result<(), WriteError> {
+    let plots = into.make(PLOTS)?;
+    figure.save(&plots, stem).map_err(|e| WriteError::file(stem, e))?;
+    add_figure(into, stem)
+}
+
+/// Adds a figure to the results in `dir`; the files written.
+///
+/// # Errors
+/// Of the folder and of the figure.
+pub fn write_figure(
+    dir: &Path,
+    command: &str,
+    stem: &str,
+    figure: &Figure,
+) -> Result<Vec<PathBuf>, WriteError> {
+    let names = KINDS.map(|kind| format!("{PLOTS}/{stem}.{kind}"));
+    let planned = names.each_ref().map(String::as_str);
+    let plan = Plan { command, planned: &planned, reads: &[], earlier: Earlier::Keep };
+    let mut folder = Folder::begin(dir, &plan)?;
+    save_figure(&mut folder.top(), stem, figure)?;
+    folder.commit()?;
+    Ok(names.iter().map(|name| dir.join(name)).collect())
+}
+
 /// Draws figures into a folder's `plots`, one by one; those that fail are returned.
 ///
 /// # Errors
@@ -102,13 +143,9 @@ pub fn draw(
             Err(panic) => Some(panic_message(panic.as_ref())),
         };
         match why {
-            None => {
-                for kind in ["svg", "png"] {
-                    into.add(&format!("{stem}_{kind}"), &format!("{PLOTS}/{stem}.{kind}"))?;
-                }
-            }
+            None => add_figure(into, stem)?,
             Some(why) => {
-                for kind in ["svg", "png"] {
+                for kind in KINDS {
                     // one of the two may have been written
                     let _ = std::fs::remove_file(folder.join(format!("{stem}.{kind}")));
                 }
@@ -172,12 +209,28 @@ pub fn write_bvh(
     bvh::write_file(&path, clip, &options).map_err(|e| WriteError::file(&name, e))
 }
 
-/// Names of the files that a take leaves in its folder, performed or only previewed.
-fn planned(preview: bool) -> Vec<String> {
-    let asked = ["kinematic.bvh", "kinematic.glb", "report.json"];
-    let performed = ["dynamic.bvh", "dynamic.glb", "trace.npz"];
-    let performed = performed.iter().filter(|_| !preview);
-    asked.iter().chain(performed).map(|name| (*name).to_owned()).collect()
+/// Writes a clip of a body as GLB, with its solids; `name` is what the file calls the motion.
+///
+/// # Errors
+/// Of the folder and of the format.
+pub fn write_glb(
+    into: &mut Subfolder<'_>,
+    stem: &str,
+    clip: &Clip,
+    body: &Body,
+    name: &str,
+) -> Result<(), WriteError> {
+    let file = format!("{stem}.glb");
+    let path = into.add(&format!("{stem}_glb"), &file)?;
+    glb::write_file(&path, clip, &body.solids(), &body.colors, name).map_err(|e| WriteError::file(&file, e))
+}
+
+/// What a take leaves in its folder, performed or only previewed.
+fn plan(preview: bool, reads: &[PathBuf]) -> Plan<'_> {
+    const FILES: [&str; 6] =
+        ["kinematic.bvh", "kinematic.glb", "report.json", "dynamic.bvh", "dynamic.glb", "trace.npz"];
+    let planned = if preview { &FILES[..3] } else { &FILES };
+    Plan { command: "render", planned, reads, earlier: Earlier::Remove }
 }
 
 impl Take {
@@ -186,8 +239,7 @@ impl Take {
     /// # Errors
     /// A folder that cannot be written to; a file in it that is not ours, or was read.
     pub fn check(&self, dir: &Path, what: &What, preview: bool) -> Result<(), WriteError> {
-        let reads = reads(self, what);
-        Ok(Folder::check(dir, &plan(&planned(preview), &reads))?)
+        Ok(Folder::check(dir, &plan(preview, &reads(self, what)))?)
     }
 }
 
@@ -208,8 +260,8 @@ impl Performed {
         progress: &Progress<'_>,
     ) -> Result<Written<Report>, WriteError> {
         progress.part("writing");
-        let (planned, reads) = (planned(matches!(self.runs, Runs::Preview)), reads(&self.take, what));
-        let mut folder = Folder::begin(dir, &plan(&planned, &reads))?;
+        let preview = matches!(self.runs, Runs::Preview);
+        let mut folder = Folder::begin(dir, &plan(preview, &reads(&self.take, what)))?;
         let take = &self.take;
         let mut report = Report::new(self);
         if self.spans().is_empty() {
@@ -258,26 +310,16 @@ impl Performed {
     }
 }
 
-fn plan<'a>(planned: &'a [String], reads: &'a [PathBuf]) -> Plan<'a> {
-    Plan { command: "render", planned, reads, earlier: Earlier::Remove }
-}
-
 /// Everything of a run but report and figures.
 fn fill(into: &mut Subfolder<'_>, take: &Take, outcome: Option<&Outcome>) -> Result<(), WriteError> {
     let unit = take.metres_per_unit();
     write_bvh(into, "kinematic", &take.for_files(&take.asked.clip), unit)?;
-    let Some(outcome) = outcome else { return write_body(into, "kinematic", take, &take.asked.clip) };
+    let Some(outcome) = outcome else {
+        return write_glb(into, "kinematic", &take.asked.clip, &take.body, &take.name);
+    };
     let performed = take.at_frames(&outcome.trace.clip());
     write_bvh(into, "dynamic", &take.for_files(&performed), unit)?;
-    write_body(into, "dynamic", take, &performed)?;
+    write_glb(into, "dynamic", &performed, &take.body, &take.name)?;
     let path = into.add("trace_npz", "trace.npz")?;
     trace_npz::save(&outcome.trace, &path).map_err(|e| WriteError::file("trace.npz", e))
-}
-
-/// A clip of the character as GLB, with its solids.
-fn write_body(into: &mut Subfolder<'_>, stem: &str, take: &Take, clip: &Clip) -> Result<(), WriteError> {
-    let name = format!("{stem}.glb");
-    let path = into.add(&format!("{stem}_glb"), &name)?;
-    glb::write_file(&path, clip, &take.body.solids(), &take.body.colors, &take.name)
-        .map_err(|e| WriteError::file(&name, e))
 }

@@ -40,11 +40,10 @@ pub(crate) fn take(
     let mut options = spec.options.clone();
     options.rate_hz = scene.rate_hz.or(options.rate_hz);
     let physics = &scene.conditions.physics;
-    let down = -physics.gravity.y;
-    if !(down > 0.0 && physics.gravity.xz().norm() <= 1e-9 * down) {
+    let Some(down) = physics.gravity_down_m_s2() else {
         let message = "a motion is put on a body where gravity points down; allowed: (0, negative, 0)";
         return Err(scene.source.error("world.gravity_m_s2", message));
-    }
+    };
     options.world.gravity_m_s2 = down;
     if let Some(ground) = physics.ground {
         if ground.friction <= 0.0 {

@@ -64,7 +64,7 @@ pub struct Plan<'a> {
     pub command: &'a str,
     /// Names of files it will write, relative to the folder, with `/`. Those known before the run suffice: when files
     /// are moved into place, all are checked.
-    pub planned: &'a [String],
+    pub planned: &'a [&'a str],
     /// Files it has read or will read.
     pub reads: &'a [PathBuf],
     /// Other files of earlier runs.
@@ -79,7 +79,7 @@ pub struct Plan<'a> {
 /// # fn main() -> Result<(), FolderError> {
 /// # let home = tempfile::tempdir().unwrap();
 /// # let dir = home.path().join("out");
-/// let plan = Plan { command: "render", planned: &["report.json".into()], ..Plan::default() };
+/// let plan = Plan { command: "render", planned: &["report.json"], ..Plan::default() };
 /// Folder::check(&dir, &plan)?; // before a long run
 /// let mut folder = Folder::begin(&dir, &plan)?;
 /// let path = folder.add("trace_npz", "trace.npz")?;

@@ -48,11 +48,7 @@ impl Home {
     }
 
     fn check(&self, planned: &[&str], reads: &[PathBuf]) -> Result<(), FolderError> {
-        let planned: Vec<String> = planned.iter().map(ToString::to_string).collect();
-        Folder::check(
-            &self.path("out"),
-            &Plan { command: "render", planned: &planned, reads, ..Plan::default() },
-        )
+        Folder::check(&self.path("out"), &Plan { command: "render", planned, reads, ..Plan::default() })
     }
 }
 
