@@ -10,6 +10,7 @@
 //! |---|---|
 //! | [`track_edit`] | what an edit of tracks is |
 //! | [`clip_edit`] | what an edit of clips is, and how one is written |
+//! | [`clip_motion`] | what clip edits are given and give |
 //! | [`place`] | where edits of both kinds apply |
 //! | [`selector`] | what an edit applies to: script, action, cycle, repetition, pose, element, body part |
 //! | [`param`] | parameters: constants, curves over time or repetition, one value for each pose |
@@ -52,6 +53,7 @@
 pub mod amplitude;
 pub mod clip_change;
 pub mod clip_edit;
+pub mod clip_motion;
 pub mod error;
 pub mod extent_reach;
 pub mod extent_shoulder;
@@ -67,7 +69,8 @@ pub mod warp;
 
 pub use amplitude::{Amplitude, Reference};
 pub use clip_change::{ClipChange, Largest};
-pub use clip_edit::{ClipEdit, Edited, Motion};
+pub use clip_edit::ClipEdit;
+pub use clip_motion::{Edited, Motion};
 pub use error::EditError;
 pub use extent_reach::ExtentReach;
 pub use extent_shoulder::ExtentShoulder;

@@ -1,75 +1,13 @@
 //! Engines by name: the table from which a pass gets its engine.
 //!
-//! In: names and constructors. Out: an [`EngineEntry`], the value that [`Pass::start`](crate::Pass::start) builds its
+//! In: entries. Out: the [`EngineEntry`] of a name, the value that [`Pass::start`](crate::Pass::start) builds its
 //! engine from. [`Engines::default`] knows the engine of this crate; a program adds others by
 //! [`add`](Engines::add), and nothing else has to know of them.
 
-use std::fmt;
-use std::sync::Arc;
-
-use bodies::Character;
 use motion::names::hint;
 use thiserror::Error;
 
-use crate::{Engine, EngineError, EngineSettings};
-
-/// A constructor: body, settings, first pose (`nq`) and first velocity (`nv`) to an engine in that state.
-type Build =
-    dyn Fn(&Character, EngineSettings, &[f64], &[f64]) -> Result<Box<dyn Engine>, EngineError> + Send + Sync;
-
-/// An engine that can be built: its name, one line about it, its constructor. Cheap to clone.
-#[derive(Clone)]
-pub struct EngineEntry {
-    name: Arc<str>,
-    description: Arc<str>,
-    build: Arc<Build>,
-}
-
-impl EngineEntry {
-    /// An entry of this name.
-    ///
-    /// `build` is given the body, the settings, the first pose (`nq`) and the first velocity (`nv`).
-    pub fn new(
-        name: &str,
-        description: &str,
-        build: impl Fn(&Character, EngineSettings, &[f64], &[f64]) -> Result<Box<dyn Engine>, EngineError>
-        + Send
-        + Sync
-        + 'static,
-    ) -> Self {
-        Self { name: name.into(), description: description.into(), build: Arc::new(build) }
-    }
-
-    /// The name by which it is chosen.
-    pub fn name(&self) -> &str {
-        &self.name
-    }
-
-    /// One line about it.
-    pub fn description(&self) -> &str {
-        &self.description
-    }
-
-    /// Builds the engine with the body at the pose `q` (`nq`) with the velocity `v` (`nv`).
-    ///
-    /// # Errors
-    /// [`EngineError`]: what the engine finds wrong.
-    pub fn build(
-        &self,
-        character: &Character,
-        settings: EngineSettings,
-        q: &[f64],
-        v: &[f64],
-    ) -> Result<Box<dyn Engine>, EngineError> {
-        (self.build)(character, settings, q, v)
-    }
-}
-
-impl fmt::Debug for EngineEntry {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.debug_struct("EngineEntry").field("name", &self.name).finish_non_exhaustive()
-    }
-}
+use crate::EngineEntry;
 
 impl Default for EngineEntry {
     /// The engine that is used where none is chosen: rapier.
@@ -116,7 +54,7 @@ impl Engines {
     /// assert_eq!(error, "unknown engine `bulet`; did you mean `bullet`? (allowed: rapier, bullet)");
     /// ```
     pub fn add(&mut self, entry: EngineEntry) {
-        match self.0.iter_mut().find(|e| e.name == entry.name) {
+        match self.0.iter_mut().find(|e| e.name() == entry.name()) {
             Some(old) => *old = entry,
             None => self.0.push(entry),
         }

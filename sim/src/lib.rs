@@ -7,6 +7,7 @@
 //! | module | holds |
 //! |---|---|
 //! | [`engine`] | what the pass asks of an engine, its settings and errors |
+//! | [`engine_entry`] | an engine that can be built |
 //! | [`engines`] | engines by name |
 //! | [`rapier`] | the articulated body and the ground in rapier |
 //! | [`pass`] | a whole run |
@@ -14,6 +15,7 @@
 //! | `load` | masses carried, row by row |
 
 pub mod engine;
+pub mod engine_entry;
 pub mod engines;
 mod load;
 pub mod pass;
@@ -21,6 +23,7 @@ pub mod rapier;
 mod recorder;
 
 pub use engine::{ContactForce, ContactLaw, Engine, EngineError, EngineSettings};
-pub use engines::{EngineEntry, Engines, UnknownEngine};
+pub use engine_entry::EngineEntry;
+pub use engines::{Engines, UnknownEngine};
 pub use pass::{Outcome, Pass, PassError, Run};
 pub use rapier::Rapier;
