@@ -60,7 +60,7 @@ impl KeyPose {
             return Err(RetargetError::Frame { pair: name.into(), frame, frames: clip.frames() });
         }
         let skeleton = &performer.character.skeleton;
-        let map = bodies::PoseMap::new(&clip.skeleton, skeleton)?;
+        let map = bodies::PoseMap::of_clip(clip, skeleton)?;
         let mut human = vec![0.0; skeleton.nq()];
         map.to_character(clip.pose(frame), &mut human);
         let up = skeleton.q_at(0) + 1;

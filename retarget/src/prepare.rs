@@ -28,7 +28,7 @@ pub fn prepare(
     ground_m: Option<f64>,
 ) -> Result<Clip, RetargetError> {
     let c = &performer.character;
-    let map = bodies::PoseMap::new(&clip.skeleton, &c.skeleton)?;
+    let map = bodies::PoseMap::of_clip(clip, &c.skeleton)?;
     let mut human = map.clip_to_character(clip, &c.skeleton);
     if human.frames() > 3 {
         human = smooth(&human, smoothing).clip;

@@ -16,7 +16,7 @@ use bodies::pose_map::PoseMap;
 use controllers::Dense;
 use dynamics::conditions::RootMode;
 use edits::{EditLog, Motion};
-use formats::bvh::ImportReport;
+use formats::bvh::{ImportOptions, ImportReport};
 use motion::stance::Stance;
 use motion::{Clip, Contact, ContactPlan, Floor, Kinematics, TimeMap};
 use scenes::StripSpec;
@@ -51,8 +51,10 @@ fn stem(path: &Path) -> String {
 impl ClipInput {
     /// Reads a clip; its body is the one asked for, or guessed.
     pub(crate) fn read(path: &Path, ask: &Ask) -> Result<Self, TakeError> {
-        let (clip, import) = formats::open_clip(path, &ask.import)?;
-        let input = Self::new(stem(path), path.display().to_string(), clip, Some(import), ask)?;
+        let given = given_body(ask)?;
+        let character = given.as_ref().map(|body| body.character.as_ref());
+        let (clip, import) = open_for(path, &ask.import, character)?;
+        let input = Self::new(stem(path), path.display().to_string(), clip, Some(import), given)?;
         let body = ask.body.iter().filter(|file| library::is_file(file) && !library::is_location(file));
         let files = body.cloned().chain([path.to_owned()]).collect();
         Ok(Self { files, ..input })
@@ -60,7 +62,7 @@ impl ClipInput {
 
     /// Reads the clip of a scene; its body is the scene's.
     pub(crate) fn read_for(path: &Path, scene: &Scene, ask: &Ask) -> Result<Self, TakeError> {
-        let (clip, import) = formats::open_clip(path, &ask.import)?;
+        let (clip, import) = open_for(path, &ask.import, Some(&scene.character))?;
         let clip = match scene.rate_hz {
             Some(rate_hz) if rate_hz != clip.rate_hz => clip.resample(rate_hz),
             _ => clip,
@@ -72,7 +74,8 @@ impl ClipInput {
 
     /// A clip in memory.
     pub(crate) fn of_memory(clip: Clip, name: String, ask: &Ask) -> Result<Self, TakeError> {
-        Self::new(name.clone(), name, clip, None, ask)
+        let given = given_body(ask)?;
+        Self::new(name.clone(), name, clip, None, given)
     }
 
     fn new(
@@ -80,16 +83,13 @@ impl ClipInput {
         shown: String,
         clip: Clip,
         import: Option<ImportReport>,
-        ask: &Ask,
+        given: Option<Body>,
     ) -> Result<Self, TakeError> {
         if clip.frames() < 2 {
             return Err(TakeError::Short { path: shown, frames: clip.frames() });
         }
-        let (body, guess) = match &ask.body {
-            Some(file) => {
-                let read = character_file::read_file(&library::resolve(file, &[Kind::Character])?)?;
-                (Body { character: Arc::new(read.character), colors: read.colors }, None)
-            }
+        let (body, guess) = match given {
+            Some(body) => (body, None),
             None => {
                 let guessed = guess_body_of_clip(&clip, &BodyOptions::default());
                 let (c, report) =
@@ -111,11 +111,54 @@ impl ClipInput {
         if clip.frames() < 2 {
             return Err(TakeError::Short { path: shown, frames: clip.frames() });
         }
-        let map = PoseMap::new(&clip.skeleton, &body.character.skeleton)
+        let map = PoseMap::of_clip(&clip, &body.character.skeleton)
             .map_err(|source| TakeError::Map { path: shown.clone(), source })?;
         Ok(Self { name, shown, clip, import, body, guess, map, files: Vec::new() })
     }
 }
+
+/// The body asked for.
+fn given_body(ask: &Ask) -> Result<Option<Body>, TakeError> {
+    let Some(file) = &ask.body else { return Ok(None) };
+    let read = character_file::read_file(&library::resolve(file, &[Kind::Character])?)?;
+    Ok(Some(Body { character: Arc::new(read.character), colors: read.colors }))
+}
+
+/// A clip for a body, which says the unit of length where nobody else does: guesses are made for people, and a clip of a lamp
+/// in centimetres is no short person in inches.
+fn open_for(
+    path: &Path,
+    import: &ImportOptions,
+    body: Option<&Character>,
+) -> Result<(Clip, ImportReport), TakeError> {
+    let (clip, report) = formats::open_clip(path, import)?;
+    let larger = body.filter(|_| import.metres_per_unit.is_none()).and_then(|c| larger(c, &clip));
+    let Some(larger) = larger.filter(|x| (x - 1.0).abs() > SAME_SIZE) else { return Ok((clip, report)) };
+    let metres_per_unit = Some(larger * report.units.metres_per_unit);
+    let (clip, mut report) = formats::open_clip(path, &ImportOptions { metres_per_unit, ..*import })?;
+    report.notes.push("unit of length: that of the body's bones".into());
+    Ok((clip, report))
+}
+
+/// How much larger a body is than the skeleton of a clip; `None` unless all bones agree.
+fn larger(body: &Character, clip: &Clip) -> Option<f64> {
+    let pairs = body.skeleton.links().iter().zip(clip.skeleton.links()).skip(1);
+    let offset = |link: &motion::Link| link.parent_from_zero.translation.vector;
+    let (same, all) = pairs.clone().fold((0.0, 0.0), |(same, all), (own, theirs)| {
+        (same + offset(own).norm() * offset(theirs).norm(), all + offset(theirs).norm_squared())
+    });
+    let larger = same / all;
+    let longest = pairs.clone().map(|(own, _)| offset(own).norm()).fold(0.0, f64::max);
+    let off = |(own, theirs): (&motion::Link, &motion::Link)| {
+        (offset(own).norm() - larger * offset(theirs).norm()).abs()
+    };
+    let agree = body.skeleton.links().len() == clip.skeleton.links().len()
+        && pairs.map(off).all(|off| off < SAME_SIZE * longest);
+    (agree && larger.is_finite() && larger > 0.0).then_some(larger)
+}
+
+/// Share of a length below which two are the same.
+const SAME_SIZE: f64 = 0.01;
 
 /// Keeps joint limits; also the fraction of the frames that they changed.
 pub(crate) fn limited(mut clip: Clip) -> (Clip, f64) {

@@ -263,7 +263,7 @@ pub fn analyze(
     options: &AnalysisOptions,
 ) -> Result<Analysis, AnalysisError> {
     check(clip, options)?;
-    let map = PoseMap::new(&clip.skeleton, &character.skeleton)?;
+    let map = PoseMap::of_clip(clip, &character.skeleton)?;
     let clip = map.clip_to_character(clip, &character.skeleton);
     let model = Model::new(character, options.gravity);
     let mut state = State::new(&model);

@@ -97,6 +97,10 @@ impl Check<'_> {
         match motion {
             MotionRon::Clip(file) => self.clip(ron, file),
             MotionRon::Retarget { of, keyposes, model, stop_after, size, refine, sway, contacts } => {
+                self.level(
+                    ron,
+                    "the ground under a retargeted motion is level: its feet are put on level ground",
+                )?;
                 let contacts = contacts.as_ref();
                 let contacts = contacts
                     .map(|file| self.source.beside("motion.contacts", "file of contact phases", file));
@@ -118,17 +122,20 @@ impl Check<'_> {
         }
     }
 
+    /// Refuses ground that is tilted from the start.
+    fn level(&self, ron: &SceneRon, reason: &str) -> Result<(), SceneError> {
+        match ron.world.ground.0 {
+            GroundRon::Plane(PlaneRon { tilt_deg, .. }) if tilt_deg != 0.0 => {
+                let e = self.source.error("world.ground.tilt_deg", reason);
+                Err(e.with_help("`tilts` turn it during the run"))
+            }
+            _ => Ok(()),
+        }
+    }
+
     /// A clip that the character performs.
     fn clip(&self, ron: &SceneRon, file: &str) -> Result<SceneSource, SceneError> {
-        if let GroundRon::Plane(PlaneRon { tilt_deg, .. }) = ron.world.ground.0
-            && tilt_deg != 0.0
-        {
-            let e = "the ground under a clip is level: it was captured on level ground";
-            return Err(self
-                .source
-                .error("world.ground.tilt_deg", e)
-                .with_help("`tilts` turn it during the run"));
-        }
+        self.level(ron, "the ground under a clip is level: it was captured on level ground")?;
         let clip = self.source.beside("motion", "clip", file)?;
         if library::is_location(&clip) {
             let e = format!(
