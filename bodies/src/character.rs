@@ -6,7 +6,7 @@
 use std::sync::Arc;
 
 use motion::names::Word;
-use motion::{Joint, Limb, LimbKind, Shape, Skeleton, Sole, Vec3};
+use motion::{Joint, Kinematics, Limb, LimbKind, Shape, Skeleton, Sole, Vec3};
 use nalgebra::Matrix3;
 use thiserror::Error;
 
@@ -143,11 +143,12 @@ impl Character {
         if let Some(&bad) = self.contacts.iter().find(|&&c| c >= self.skeleton.sites().len()) {
             return Err(CharacterError::Contact(bad));
         }
+        let carries = self.carries_mass();
         for (i, body) in self.bodies.iter().enumerate() {
             let link = &links[i].name;
             let welded = links[i].joint == Joint::Fixed;
             let massless = body.mass == 0.0 && body.inertia == Matrix3::zeros();
-            if massless && (welded || self.carries_mass(i)) {
+            if massless && (welded || carries[i]) {
                 continue;
             }
             let positive = body.mass > 0.0 && body.mass.is_finite();
@@ -164,6 +165,20 @@ impl Character {
             }
         }
         Ok(self)
+    }
+
+    /// How far all solids reach along a unit vector of the world in the pose `q`, m: the least and the greatest coordinate.
+    /// `None` without solids.
+    pub fn extent(&self, q: &[f64], along: &Vec3) -> Option<[f64; 2]> {
+        let k = Kinematics::new(&self.skeleton, q);
+        let mut out: Option<[f64; 2]> = None;
+        for (world, body) in k.world.iter().zip(&self.bodies) {
+            for shape in &body.shapes {
+                let (low, high) = (-shape.reach(world, &-along), shape.reach(world, along));
+                out = Some(out.map_or([low, high], |[a, b]| [a.min(low), b.max(high)]));
+            }
+        }
+        out
     }
 
     /// Total mass, kg.
@@ -211,11 +226,16 @@ impl Character {
         self.legs().filter_map(|leg| Some((leg, of(leg)?))).collect()
     }
 
-    fn carries_mass(&self, link: usize) -> bool {
+    /// Whether each link moves others that have mass.
+    fn carries_mass(&self) -> Vec<bool> {
         let links = self.skeleton.links();
-        links[link].joint.nv() > 0
-            && (link + 1..links.len())
-                .any(|i| self.bodies[i].mass > 0.0 && self.skeleton.ancestors(i).any(|u| u == link))
+        let mut carries = vec![false; links.len()];
+        for i in (1..links.len()).rev() {
+            if let Some(parent) = links[i].parent {
+                carries[parent] |= carries[i] || self.bodies[i].mass > 0.0;
+            }
+        }
+        carries.iter().zip(links).map(|(&c, link)| c && link.joint.nv() > 0).collect()
     }
 }
 

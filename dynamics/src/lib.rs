@@ -11,6 +11,7 @@
 //! | [`model`] | a character compiled for dynamics, and its world-frame state |
 //! | [`rnea`] | inverse dynamics with outside wrenches, bias, Coriolis terms, gravity load |
 //! | [`crba`] | mass matrix |
+//! | [`articulated`] | the inertia of each axis with the joints further out left free |
 //! | [`derivatives`] | slopes of inverse dynamics by pose, velocity and acceleration |
 //! | [`forward`] | accelerations from forces |
 //! | [`inertia`] | composites, momentum and its rate, energy, gravity stiffness |
@@ -20,6 +21,8 @@
 //! | [`trace`] | what a dynamic run recorded |
 
 pub mod analysis;
+pub mod articulated;
+mod composite;
 pub mod conditions;
 pub mod crba;
 pub mod derivatives;

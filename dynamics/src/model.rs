@@ -14,7 +14,7 @@ use motion::skeleton::{quat_at, vec_at};
 use motion::{Joint, Quat, Skeleton, Transform, Vec3};
 use nalgebra::{Matrix3, Quaternion};
 
-use crate::crba::Composite;
+use crate::composite::Composite;
 use bodies::Character;
 use bodies::mass::fuse;
 

@@ -1,7 +1,33 @@
-//! Names: tables of the names of values ([`Word`]), and the nearest known name, for error messages.
+//! Names: what may be one, tables of the names of values ([`Word`]), and the nearest known name, for error messages.
 //!
 //! In: a name and the known ones. Out: the value it names, or the known name at the least edit distance, if it is near
 //! enough to be a slip. Distance counts insertions, deletions, substitutions and swaps of neighbours.
+
+/// A word of a file as a message repeats it: at most [`MOST_ECHOED`] characters, control characters escaped.
+///
+/// # Examples
+/// ```
+/// use motion::names::echo;
+/// assert_eq!(echo("elbow"), "elbow");
+/// assert_eq!(echo("a\u{0}b"), "a\\u{0}b");
+/// assert_eq!(echo(&"x".repeat(1_000_000)).chars().count(), 200);
+/// ```
+pub fn echo(text: &str) -> String {
+    let mut out = String::new();
+    let mut left = MOST_ECHOED;
+    for (at, c) in text.char_indices() {
+        let piece: String = if c.is_control() { c.escape_default().collect() } else { c.into() };
+        let length = piece.chars().count();
+        let last = at + c.len_utf8() == text.len();
+        if length + usize::from(!last) > left {
+            out.push('…');
+            break;
+        }
+        left -= length;
+        out.push_str(&piece);
+    }
+    out
+}
 
 /// The candidate nearest to `name`, or `None` if none is within half the length of the longer name.
 ///
@@ -16,9 +42,15 @@
 /// ```
 pub fn nearest<'a>(name: &str, candidates: impl IntoIterator<Item = &'a str>) -> Option<&'a str> {
     let mut best: Option<(usize, &str)> = None;
+    let length = name.chars().count();
     for candidate in candidates {
+        let other = candidate.chars().count();
+        let longest = length.max(other);
+        // names that differ more in length are not near
+        if 2 * length.abs_diff(other) > longest {
+            continue;
+        }
         let d = distance(name, candidate);
-        let longest = name.chars().count().max(candidate.chars().count());
         if 2 * d <= longest && best.is_none_or(|(least, _)| d < least) {
             best = Some((d, candidate));
         }
@@ -39,6 +71,78 @@ pub fn hint<'a>(name: &str, candidates: impl IntoIterator<Item = &'a str>) -> St
         n if n > 40 => format!("; there are {n}: {}, …", all[..40].join(", ")),
         _ => format!("; there are: {}", all.join(", ")),
     }
+}
+
+/// The most characters of a text of somebody else's that an error repeats.
+pub const MOST_ECHOED: usize = 200;
+
+/// A message in which every text between back quotes has at most [`MOST_ECHOED`] characters; more are cut, with `…` for the
+/// rest. Control characters are written as escapes, so that a file cannot steer the terminal.
+///
+/// # Examples
+/// ```
+/// use motion::names::brief;
+/// assert_eq!(brief("unknown joint `elbw_r`"), "unknown joint `elbw_r`");
+/// let long = brief(&format!("unknown joint `{}`; known are `a`", "x".repeat(5000)));
+/// assert!(long.chars().count() < 250 && long.ends_with("…`; known are `a`"));
+/// assert_eq!(brief("`a\u{1b}[2J`"), "`a\\u{1b}[2J`");
+/// ```
+pub fn brief(message: &str) -> String {
+    let mut out = String::with_capacity(message.len().min(1 << 12));
+    for (i, part) in message.split('`').enumerate() {
+        if i > 0 {
+            out.push('`');
+        }
+        let quoted = i % 2 == 1;
+        for (n, c) in part.chars().enumerate() {
+            if quoted && n == MOST_ECHOED {
+                out.push('…');
+                break;
+            }
+            match c {
+                '\n' if !quoted => out.push(c),
+                c if c.is_control() => out.extend(c.escape_default()),
+                c => out.push(c),
+            }
+        }
+    }
+    out
+}
+
+/// The most characters of a name.
+pub const MOST_OF_A_NAME: usize = 128;
+
+/// Checks a name of a link, site, part or action: every format that is written must be able to hold it.
+///
+/// # Errors
+/// What is wrong and what is allowed.
+///
+/// # Examples
+/// ```
+/// use motion::names::check;
+/// assert!(check("elbow_l").is_ok() && check("Unterarm rechts").is_ok());
+/// assert_eq!(check("").unwrap_err(), "a name is empty; allowed: 1 to 128 characters");
+/// assert!(check("a\0b").is_err() && check("two\nlines").is_err() && check(" blank ").is_err());
+/// assert!(check(&"x".repeat(129)).is_err());
+/// ```
+pub fn check(name: &str) -> Result<(), String> {
+    let length = name.chars().count();
+    if length == 0 {
+        return Err(format!("a name is empty; allowed: 1 to {MOST_OF_A_NAME} characters"));
+    }
+    if length > MOST_OF_A_NAME {
+        let start: String = name.chars().take(40).collect();
+        return Err(format!("the name `{start}…` has {length} characters; allowed: 1 to {MOST_OF_A_NAME}"));
+    }
+    if name.chars().any(char::is_control) {
+        return Err(format!(
+            "the name `{name}` has a control character; allowed: letters, digits, signs and blanks"
+        ));
+    }
+    if name.trim() != name {
+        return Err(format!("the name `{name}` begins or ends with a blank; allowed: blanks inside only"));
+    }
+    Ok(())
 }
 
 /// Edit distance (optimal string alignment) without regard to case.

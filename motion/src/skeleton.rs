@@ -25,7 +25,7 @@ use nalgebra::{Quaternion, Translation3};
 use thiserror::Error;
 
 use crate::Transform;
-use crate::names::Word;
+use crate::names::{self, Word};
 use crate::rotation::{Quat, Vec3, exp, log, swing_twist};
 
 /// How a link may move against its parent.
@@ -208,6 +208,9 @@ pub struct Limb {
     pub end: usize,
 }
 
+/// Longest way from a link to its parent or its end, m: far below what single precision holds, so that every format can.
+pub const FARTHEST: f64 = 1e9;
+
 /// What is wrong with a skeleton.
 #[derive(Clone, Debug, PartialEq, Error)]
 pub enum SkeletonError {
@@ -227,9 +230,20 @@ pub enum SkeletonError {
         /// Its parent index.
         parent: Option<usize>,
     },
+    /// A name that not every format can hold.
+    #[error("{}", names::brief(.0))]
+    Name(String),
     /// A number that is NaN or infinite.
     #[error("link `{0}` has a number that is not finite")]
     NotFinite(String),
+    /// A length that not every format can hold.
+    #[error("link `{link}` has a length of {length_m:e} m; it must be at most {FARTHEST:e} m")]
+    Far {
+        /// The link.
+        link: String,
+        /// Length found, m.
+        length_m: f64,
+    },
     /// A joint axis that is not a unit vector.
     #[error("the joint axis of `{link}` has length {length}; it must be 1")]
     Axis {
@@ -310,11 +324,13 @@ impl Skeleton {
     /// # Errors
     /// A duplicate name or a missing link.
     pub fn with_sites(mut self, sites: Vec<Site>) -> Result<Self, SkeletonError> {
-        for (i, site) in sites.iter().enumerate() {
+        let mut names = std::collections::HashSet::new();
+        for site in &sites {
+            check_name(&site.name)?;
             if site.link >= self.links.len() {
                 return Err(SkeletonError::Reference(site.name.clone()));
             }
-            if sites[..i].iter().any(|s| s.name == site.name) {
+            if !names.insert(site.name.as_str()) {
                 return Err(SkeletonError::DuplicateName(site.name.clone()));
             }
         }
@@ -593,12 +609,21 @@ pub fn vec_at(v: &[f64], at: usize) -> Vec3 {
     Vec3::new(v[at], v[at + 1], v[at + 2])
 }
 
+fn check_name(name: &str) -> Result<(), SkeletonError> {
+    names::check(name).map_err(SkeletonError::Name)
+}
+
 fn check_link(link: &Link) -> Result<(), SkeletonError> {
+    check_name(&link.name)?;
     let t = &link.parent_from_zero;
     let end = link.end.unwrap_or_default();
     let numbers = t.translation.vector.iter().chain(t.rotation.coords.iter()).chain(end.iter());
     if !numbers.copied().all(f64::is_finite) {
         return Err(SkeletonError::NotFinite(link.name.clone()));
+    }
+    let length_m = t.translation.vector.amax().max(end.amax());
+    if length_m > FARTHEST {
+        return Err(SkeletonError::Far { link: link.name.clone(), length_m });
     }
     if let Joint::Revolute(axis) | Joint::Prismatic(axis) = link.joint {
         let length = axis.norm();
