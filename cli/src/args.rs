@@ -115,7 +115,7 @@ pub struct PhysicsArgs {
     /// Control steps per second of the simulation [default: the scene's, 240; near 240 for a clip]
     #[arg(long, value_name = "HZ", value_parser = rate, allow_negative_numbers = true)]
     pub rate: Option<f64>,
-    /// Engine substeps per control step [default: as many as the stiffest joint needs, at least 2]
+    /// Engine substeps per control step [default: as many as the stiffest joint needs, at least 2; MuJoCo: 8]
     #[arg(long, value_name = "N", value_parser = substeps, allow_negative_numbers = true)]
     pub substeps: Option<usize>,
     /// Strategies of balance to switch off
@@ -251,7 +251,7 @@ impl RenderArgs {
 #[derive(Debug, Args)]
 #[command(after_help = INSPECT_EXAMPLES)]
 pub struct InspectArgs {
-    /// Scene or character (.ron, or a name of the library), or clip (.bvh)
+    /// Scene or character (.ron, or a name of the library), clip (.bvh), or physics model (MJCF .xml, .urdf)
     #[arg(value_name = "FILE")]
     pub input: PathBuf,
     /// Print JSON instead of text
@@ -273,6 +273,7 @@ Examples:
   contrapposto inspect scenes/bow.ron
   contrapposto inspect scenes/characters/human.ron
   contrapposto inspect walk.bvh --write-body body.ron
+  contrapposto inspect humanoid.xml
   contrapposto inspect scenes/bow.ron --json";
 
 /// Arguments of `crosscheck`.
@@ -343,7 +344,7 @@ Examples:
   contrapposto crosscheck humanoid.xml --dynamics-only --against heavier.xml
   contrapposto crosscheck scenes/characters/human.ron --inject 'mass:chest*1.01'
 
-MuJoCo runs in a Python environment of its own, made on the first run in the user's cache folder (Python 3.10 or
+MuJoCo runs in a Python environment of its own, made on the first run in the user's cache folder (Python 3.11 or
 newer with venv and pip, and the network, are needed once) and reused after. CONTRAPPOSTO_PYTHON names another
 Python, CONTRAPPOSTO_CACHE another folder.
 
@@ -455,7 +456,8 @@ Examples:
   contrapposto convert scenes/characters/human.ron human.xml
 
 A body written as MJCF (.xml) is Y up, in metres and radians, with the ground as a plane and two springs and a
-damper per hinge as actuators (controls k_lo, k_hi, k_d); a clip's body is the one guessed for it.";
+damper per hinge as actuators (controls k_lo, k_hi, k_d); a clip's body is the one guessed for it. It stands in its
+rest pose, or that of the first frame: hinges by their `ref`, and all joints in the key frame `rest`.";
 
 /// Arguments of `library`.
 #[derive(Debug, Args)]

@@ -81,9 +81,13 @@ fn body(args: &ConvertArgs) -> Result<(), Failure> {
         takes::export::mjcf(&args.input, &args.clip.import(), args.dynamics_only).map_err(Failure::input)?;
     put(args, made.text.as_bytes(), &reads)?;
     let (from, to) = (args.input.display(), args.output.display());
+    let ground = match made.ground_m {
+        Some(y) => format!("ground at y = {y:.3} m"),
+        None => "no ground".to_owned(),
+    };
     let left: String = made.left_out.iter().map(|item| format!("left out: {item}\n")).collect();
     output::print(&format!(
-        "{left}read {from}: {} links, {:.2} kg\nwrote {to}: MJCF, {} joints, {} antagonists, metres, radians, Y up\n",
+        "{left}read {from}: {} links, {:.2} kg\nwrote {to}: MJCF, {} joints, {} antagonists, {ground}, metres, radians, Y up\n",
         made.links, made.mass_kg, made.joints, made.antagonists
     ))
 }

@@ -62,10 +62,11 @@ pub fn run(args: &CrosscheckArgs) -> Result<(), Failure> {
 }
 
 fn summary(cross: &CrossCheck, dir: &Path) -> String {
-    let (failed, all) = (cross.failed(), cross.checks.len());
-    let verdict = match failed {
-        0 => format!("{}: all {all} checks against MuJoCo {} pass", cross.name, cross.mujoco),
-        n => format!("{}: {n} of {all} checks against MuJoCo {} FAIL", cross.name, cross.mujoco),
+    let (name, mujoco) = (&cross.name, &cross.mujoco);
+    let verdict = match (cross.failed(), cross.checks.len()) {
+        (0, 0) => format!("{name}: nothing to compare with MuJoCo {mujoco}"),
+        (0, all) => format!("{name}: all {all} checks against MuJoCo {mujoco} pass"),
+        (n, all) => format!("{name}: {n} of {all} checks against MuJoCo {mujoco} FAIL"),
     };
     let table = report::text(cross);
     let page = dir.join("crosscheck.html");

@@ -1,11 +1,12 @@
-//! `inspect`: what is in a scene, a character or a clip, as text or JSON.
+//! `inspect`: what is in a scene, a character, a clip or a physics model, as text or JSON.
 
 use std::fmt::Write;
 use std::path::Path;
 
 use takes::character_file;
 use takes::inspect::{
-    BodyInspection, ClipInspection, ElementInspection, Inspection, LinkInspection, SceneInspection, inspect,
+    BodyInspection, ClipInspection, ElementInspection, Inspection, LinkInspection, ModelInspection,
+    SceneInspection, inspect,
 };
 use takes::results::folder::{Overwrite, write_file};
 
@@ -34,6 +35,7 @@ pub fn run(args: &InspectArgs) -> Result<(), Failure> {
             Inspection::Scene(scene) => write_scene(&mut text, scene),
             Inspection::Character(body) => write_body(&mut text, body),
             Inspection::Clip(clip) => write_clip(&mut text, clip, &args.input),
+            Inspection::Model(model) => write_model(&mut text, model),
         };
         text
     };
@@ -93,6 +95,29 @@ fn write_body(out: &mut String, b: &BodyInspection) -> std::fmt::Result {
         writeln!(out, "contact points: {}", b.contacts.join(", "))?;
     }
     Ok(())
+}
+
+fn write_model(out: &mut String, m: &ModelInspection) -> std::fmt::Result {
+    write_body(out, &m.body)?;
+    let [x, y, z] = m.gravity_m_s2;
+    let ground = m.ground_m.map_or_else(|| "no ground".into(), |h| format!("ground at y = {h:.3} m"));
+    writeln!(out, "{}, Y up: gravity {x} {y} {z} m/s², {ground}", m.format)?;
+    if m.dynamics_only {
+        writeln!(out, "not read, and makes forces: {}", m.forces_left_out)?;
+        writeln!(
+            out,
+            "  convert and crosscheck leave it out with --dynamics-only, and refuse the file without"
+        )?;
+    }
+    if !m.looks_left_out.is_empty() {
+        writeln!(out, "not read, makes no forces: {}", m.looks_left_out)?;
+    }
+    const SHOWN: usize = 20;
+    m.left_out.iter().take(SHOWN).try_for_each(|item| writeln!(out, "left out: {item}"))?;
+    match m.left_out.len().saturating_sub(SHOWN) {
+        0 => Ok(()),
+        more => writeln!(out, "and {more} more (--json lists all)"),
+    }
 }
 
 fn limits(l: &LinkInspection) -> String {

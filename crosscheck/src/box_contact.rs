@@ -14,7 +14,7 @@ use nalgebra::Matrix3;
 use sim::{ContactLaw, Engine, EngineError, EngineSettings, rapier};
 
 use crate::bridge::Shared;
-use crate::check::{Check, Measure};
+use crate::check::{Check, Measure, ratio};
 use crate::engine::{engine_in, standing};
 use crate::mujoco::Integration;
 
@@ -115,16 +115,20 @@ struct Landing {
 }
 
 /// First contact of a series of vertical forces: from the first load to the first step without.
-fn first_contact(force: &[Vec3], rate_hz: f64) -> Landing {
-    let start = force.iter().position(|f| f.y > 0.0).unwrap_or(0);
+///
+/// # Errors
+/// If nothing lands.
+fn first_contact(force: &[Vec3], rate_hz: f64) -> Result<Landing, EngineError> {
+    let nothing = || EngineError::Failed("the box of the landing touches nothing".into());
+    let start = force.iter().position(|f| f.y > 0.0).ok_or_else(nothing)?;
     let length = force[start..].iter().take_while(|f| f.y > 0.0).count();
     let span = &force[start..start + length];
     // the ends at which the force crosses zero lie within the first and the last step
-    Landing {
+    Ok(Landing {
         impulse: span.iter().map(|f| f.y).sum::<f64>() / rate_hz,
         peak: span.iter().map(|f| f.y).fold(0.0, f64::max),
         time: length as f64 / rate_hz,
-    }
+    })
 }
 
 /// Drop height, natural frequency and damping ratio of the landing.
@@ -152,13 +156,14 @@ pub struct LandingRun {
 /// Of either engine.
 pub fn landing(bridge: &Shared) -> Result<LandingRun, EngineError> {
     let (a, theirs) = drop(bridge, BOX_RATE_HZ, LANDING_HZ)?;
-    let (ours, mujoco) = (first_contact(&a, BOX_RATE_HZ), first_contact(&theirs, BOX_RATE_HZ));
+    let (ours, mujoco) = (first_contact(&a, BOX_RATE_HZ)?, first_contact(&theirs, BOX_RATE_HZ)?);
     let half_step = drop(bridge, 2.0 * BOX_RATE_HZ, LANDING_HZ)?;
-    let finer = first_contact(&half_step.0, 2.0 * BOX_RATE_HZ);
-    let reference = first_contact(&half_step.1, 2.0 * BOX_RATE_HZ);
+    let finer = first_contact(&half_step.0, 2.0 * BOX_RATE_HZ)?;
+    let reference = first_contact(&half_step.1, 2.0 * BOX_RATE_HZ)?;
     let gap = [(ours.peak - reference.peak) / reference.peak, (finer.peak - reference.peak) / reference.peak];
     let stiffer = drop(bridge, BOX_RATE_HZ, 2.0 * LANDING_HZ)?;
-    let stiffer = [first_contact(&stiffer.0, BOX_RATE_HZ).peak, first_contact(&stiffer.1, BOX_RATE_HZ).peak];
+    let stiffer =
+        [first_contact(&stiffer.0, BOX_RATE_HZ)?.peak, first_contact(&stiffer.1, BOX_RATE_HZ)?.peak];
     let compliance = format!(
         "four corner springs of {LANDING_HZ} Hz and damping ratio {LANDING_ZETA} per apparent mass on both sides"
     );
@@ -181,7 +186,7 @@ pub fn landing(bridge: &Shared) -> Result<LandingRun, EngineError> {
         Check::absolute(
             "landing: gap of the peak at half the step over the gap",
             "",
-            gap[1] / gap[0],
+            ratio(gap[1], gap[0]),
             0.5,
             0.2,
         )
@@ -214,4 +219,19 @@ fn drop(bridge: &Shared, rate_hz: f64, natural_hz: f64) -> Result<(Vec<Vec3>, Ve
     let mut ours = rapier::engine().build(&character, settings, &q, &v)?;
     let mut theirs = engine_in(bridge, integration).build(&character, settings, &q, &v)?;
     Ok((forces(ours.as_mut(), steps)?, forces(theirs.as_mut(), steps)?))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_landing_without_contact_is_an_error() {
+        for forces in [vec![], vec![Vec3::zeros(); 4], vec![-Vec3::y(); 2]] {
+            assert!(first_contact(&forces, 100.0).is_err(), "{forces:?}");
+        }
+        let forces = [0.0, 2.0, 4.0, 0.0, 9.0].map(|y| Vec3::new(0.0, y, 0.0));
+        let landing = first_contact(&forces, 100.0).expect("a contact");
+        assert_eq!((landing.impulse, landing.peak, landing.time), (0.06, 4.0, 0.02));
+    }
 }

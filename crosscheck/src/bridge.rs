@@ -3,10 +3,11 @@
 //! In: a Python with MuJoCo. Out: a [`Bridge`] that loads models and answers about them. The other end is
 //! `driver.py`, which says the framing. Numbers here are in MuJoCo's layout; [`formats::mujoco_layout`] converts.
 
-use std::io::{BufReader, BufWriter, Read, Write};
+use std::io::{BufRead, BufReader, BufWriter, Read, Write};
 use std::path::Path;
 use std::process::{Child, ChildStdin, ChildStdout, Command, Stdio};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::thread::JoinHandle;
 
 use formats::mujoco_layout::JointThere;
 use motion::{Joint, Skeleton, Vec3};
@@ -25,6 +26,9 @@ pub enum BridgeError {
     /// It has other joints than we.
     #[error("the two models do not have the same joints: {0}")]
     Joints(String),
+    /// It has other bodies than we.
+    #[error("the two models do not have the same bodies: {0}")]
+    Bodies(String),
     /// It answered something else than asked.
     #[error("MuJoCo answered {found} numbers, {wanted} were expected")]
     Length {
@@ -117,9 +121,31 @@ impl ModelInfo {
     }
 }
 
+impl ModelInfo {
+    /// Names the bodies as we do: those of a file in its order, the base first. Bodies without a name have ours then.
+    ///
+    /// # Errors
+    /// [`BridgeError::Bodies`] if they differ in number, or in a name that the file has.
+    pub fn name_bodies(&mut self, names: &[&str]) -> Result<(), BridgeError> {
+        let (ours, theirs) = (names.len(), self.bodies.len());
+        if ours != theirs {
+            return Err(BridgeError::Bodies(format!("ours has {ours}, MuJoCo's {theirs}")));
+        }
+        for (body, name) in self.bodies.iter_mut().zip(names).skip(1) {
+            if !body.name.is_empty() && body.name != *name {
+                return Err(BridgeError::Bodies(format!("`{name}` is `{}` in MuJoCo", body.name)));
+            }
+            (*name).clone_into(&mut body.name);
+        }
+        Ok(())
+    }
+}
+
 /// A running MuJoCo. See the module header.
 pub struct Bridge {
     child: Child,
+    /// Reads what the process says aside, so that it never waits for a reader; ends with it.
+    said: Option<JoinHandle<String>>,
     to: BufWriter<ChildStdin>,
     from: BufReader<ChildStdout>,
     bytes: Vec<u8>,
@@ -156,7 +182,9 @@ impl Bridge {
             .map_err(gone)?;
         let to = BufWriter::new(child.stdin.take().expect("piped"));
         let from = BufReader::new(child.stdout.take().expect("piped"));
-        let mut bridge = Self { child, to, from, bytes: Vec::new(), gone: false };
+        let stderr = child.stderr.take().expect("piped");
+        let said = Some(std::thread::spawn(move || last_line(stderr)));
+        let mut bridge = Self { child, said, to, from, bytes: Vec::new(), gone: false };
         bridge.receive()?;
         Ok(bridge)
     }
@@ -250,13 +278,21 @@ impl Bridge {
     fn gone(&mut self) -> BridgeError {
         self.gone = true;
         let _ = self.child.kill();
-        let mut text = String::new();
-        if let Some(mut stderr) = self.child.stderr.take() {
-            let _ = stderr.read_to_string(&mut text);
-        }
-        let last = text.lines().rfind(|l| !l.trim().is_empty()).unwrap_or("without a word");
-        BridgeError::Gone(format!("went away: {last}"))
+        let last = self.said.take().and_then(|said| said.join().ok()).filter(|line| !line.is_empty());
+        BridgeError::Gone(format!("went away: {}", last.as_deref().unwrap_or("without a word")))
     }
+}
+
+/// The last line of a stream that is not blank.
+fn last_line(stream: impl Read) -> String {
+    let mut last = String::new();
+    for line in BufReader::new(stream).split(b'\n').map_while(Result::ok) {
+        let line = String::from_utf8_lossy(&line);
+        if !line.trim().is_empty() {
+            last = line.trim_end().to_owned();
+        }
+    }
+    last
 }
 
 impl Drop for Bridge {

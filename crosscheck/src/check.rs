@@ -1,4 +1,6 @@
 //! One row of the table: a quantity, our number, MuJoCo's, how far apart, how far allowed.
+//!
+//! A check is of something: where there is nothing to compare there is no check, and the table says so. Two zeros agree.
 
 use serde::Serialize;
 
@@ -10,6 +12,11 @@ pub enum Measure {
     Relative,
     /// `abs_error`.
     Absolute,
+}
+
+/// `part` over `whole`; no part of anything is 0, a part of nothing is infinite.
+pub fn ratio(part: f64, whole: f64) -> f64 {
+    if part == 0.0 && !whole.is_nan() { 0.0 } else { part / whole }
 }
 
 /// A compared quantity.
@@ -43,14 +50,15 @@ impl Check {
     /// A check whose relative error counts; `scale` is what 1 is.
     pub fn relative(quantity: &str, unit: &str, ours: f64, mujoco: f64, scale: f64, threshold: f64) -> Self {
         let abs_error = (ours - mujoco).abs();
-        Self::of(quantity, unit, (ours, mujoco), abs_error, abs_error / scale, threshold, Measure::Relative)
+        let error = ratio(abs_error, scale);
+        Self::of(quantity, unit, (ours, mujoco), abs_error, error, threshold, Measure::Relative)
     }
 
     /// A check whose absolute error counts.
     pub fn absolute(quantity: &str, unit: &str, ours: f64, mujoco: f64, threshold: f64) -> Self {
         let abs_error = (ours - mujoco).abs();
-        let scale = ours.abs().max(mujoco.abs()).max(f64::MIN_POSITIVE);
-        Self::of(quantity, unit, (ours, mujoco), abs_error, abs_error / scale, threshold, Measure::Absolute)
+        let error = ratio(abs_error, ours.abs().max(mujoco.abs()));
+        Self::of(quantity, unit, (ours, mujoco), abs_error, error, threshold, Measure::Absolute)
     }
 
     /// Any check; it fails on numbers that are not numbers.
@@ -93,8 +101,11 @@ impl Check {
 }
 
 /// The largest relative error of a quantity over many states, and where it was.
+#[derive(Clone, Debug, Default)]
+pub struct Worst(Option<Seen>);
+
 #[derive(Clone, Debug)]
-pub struct Worst {
+struct Seen {
     error: f64,
     ours: f64,
     theirs: f64,
@@ -103,30 +114,73 @@ pub struct Worst {
 }
 
 impl Worst {
-    /// Nothing seen.
-    pub fn new() -> Self {
-        Self { error: -1.0, ours: 0.0, theirs: 0.0, scale: 1.0, at: String::new() }
-    }
-
-    /// Takes in vectors of one state, relative to the largest magnitude of `theirs` (at least `floor`).
+    /// Takes in vectors of one state, relative to the largest magnitude of `theirs` (at least `floor`: the size of what
+    /// the numbers are sums of, so that sums that cancel are not measured by what is left of them).
     pub fn see(&mut self, ours: &[f64], theirs: &[f64], floor: f64, at: impl Fn(usize) -> String) {
         let scale = theirs.iter().fold(floor, |m, x| m.max(x.abs()));
         for (k, (a, b)) in ours.iter().zip(theirs).enumerate() {
-            let error = (a - b).abs() / scale;
-            if error > self.error || error.is_nan() {
-                *self = Self { error, ours: *a, theirs: *b, scale, at: at(k) };
+            let error = ratio((a - b).abs(), scale);
+            let worse = |w: &Seen| error > w.error || error.is_nan();
+            if self.0.as_ref().is_none_or(worse) {
+                self.0 = Some(Seen { error, ours: *a, theirs: *b, scale, at: at(k) });
             }
         }
     }
 
-    /// The check of it.
-    pub fn check(self, quantity: &str, unit: &str, threshold: f64) -> Check {
-        Check::relative(quantity, unit, self.ours, self.theirs, self.scale, threshold).at(self.at)
+    /// The check of it; `None` if nothing was seen.
+    pub fn check(self, quantity: &str, unit: &str, threshold: f64) -> Option<Check> {
+        let w = self.0?;
+        Some(Check::relative(quantity, unit, w.ours, w.theirs, w.scale, threshold).at(w.at))
     }
 }
 
-impl Default for Worst {
-    fn default() -> Self {
-        Self::new()
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn worst(pairs: &[(f64, f64)], floor: f64) -> Option<Check> {
+        let mut worst = Worst::default();
+        for (k, (a, b)) in pairs.iter().enumerate() {
+            worst.see(&[*a], &[*b], floor, |_| format!("state {k}"));
+        }
+        worst.check("x", "N", 1e-10)
+    }
+
+    #[test]
+    fn nothing_seen_is_no_check() {
+        assert_eq!(worst(&[], 0.0), None);
+        let mut empty = Worst::default();
+        empty.see(&[], &[], 0.0, |_| String::new());
+        assert_eq!(empty.check("x", "N", 1.0), None);
+    }
+
+    #[test]
+    fn zeros_on_both_sides_agree() {
+        let check = worst(&[(0.0, 0.0), (0.0, -0.0)], 0.0).expect("seen");
+        assert_eq!((check.pass, check.rel_error, check.at.as_str()), (true, 0.0, "state 0"));
+        for check in [Check::relative("x", "", 0.0, 0.0, 0.0, 0.0), Check::absolute("x", "", 0.0, 0.0, 0.0)] {
+            assert!(check.pass && check.rel_error == 0.0, "{check:?}");
+        }
+    }
+
+    #[test]
+    fn something_against_nothing_fails() {
+        let check = worst(&[(0.0, 0.0), (1e-300, 0.0)], 0.0).expect("seen");
+        assert_eq!((check.pass, check.rel_error, check.at.as_str()), (false, f64::INFINITY, "state 1"));
+        assert!(!Check::relative("x", "", 1.0, 0.0, 0.0, 0.1).pass);
+    }
+
+    #[test]
+    fn numbers_that_are_none_fail_and_stay() {
+        let check = worst(&[(f64::NAN, 1.0), (1.0, 1.0)], 0.0).expect("seen");
+        assert_eq!((check.pass, check.at.as_str()), (false, "state 0"));
+        assert!(!Check::relative("x", "", 1.0, f64::NAN, 1.0, 0.1).pass);
+        assert!(ratio(0.0, f64::NAN).is_nan());
+    }
+
+    #[test]
+    fn what_cancels_is_measured_by_what_cancelled() {
+        let check = worst(&[(2e-16, 0.0)], 1.0).expect("seen");
+        assert!(check.pass && check.rel_error == 2e-16);
     }
 }

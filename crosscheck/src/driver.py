@@ -147,17 +147,18 @@ class Balls:
 
 def model_from_file(path):
     """A model file as MuJoCo compiles it; of a URDF only what has mass or moves."""
-    if not path.lower().endswith(".urdf"):
-        return mujoco.MjModel.from_xml_path(path)
-    tree = ElementTree.parse(path).getroot()
-    for link in tree.iter("link"):
-        # looks, collision solids and their meshes carry no mass
-        for child in [c for c in link if c.tag != "inertial"]:
-            link.remove(child)
-    # a welded base keeps its mass, instead of losing it to the world
-    extension = ElementTree.SubElement(tree, "mujoco")
-    ElementTree.SubElement(extension, "compiler", fusestatic="false")
-    return mujoco.MjModel.from_xml_string(ElementTree.tostring(tree, encoding="unicode"))
+    if path.lower().endswith(".urdf"):
+        tree = ElementTree.parse(path).getroot()
+        for link in tree.iter("link"):
+            # looks, collision solids and their meshes carry no mass
+            for child in [c for c in link if c.tag != "inertial"]:
+                link.remove(child)
+        spec = mujoco.MjSpec.from_string(ElementTree.tostring(tree, encoding="unicode"))
+    else:
+        spec = mujoco.MjSpec.from_file(path)
+    # welded bodies stay bodies, in the order of the file, and a welded base keeps its mass
+    spec.compiler.fusestatic = False
+    return spec.compile()
 
 
 class Session:
@@ -173,8 +174,10 @@ class Session:
         flags = mujoco.mjtDisableBit
         for name in request.get("disable", []):
             m.opt.disableflags |= int(getattr(flags, "mjDSBL_" + name.upper()))
-        if request.get("no_armature"):
+        if request.get("no_armature") and m.dof_armature.any():
             m.dof_armature[:] = 0.0
+            # what the model derives of it, such as the inertia of a slide; it uses its data as scratch
+            mujoco.mj_setConst(m, mujoco.MjData(m))
         m.opt.enableflags |= int(mujoco.mjtEnableBit.mjENBL_ENERGY)
         self.m, self.d = m, mujoco.MjData(m)
         kinds = ["free", "ball", "slide", "hinge"]
@@ -187,7 +190,7 @@ class Session:
                 "body": m.body(m.jnt_bodyid[j]).name,
             }
             for j in range(m.njnt)
-            if m.body(m.jnt_bodyid[j]).name != "ground"
+            if "path" in request or m.body(m.jnt_bodyid[j]).name != "ground"
         ]
         bodies = [{"name": m.body(b).name, "mass": float(m.body_mass[b])} for b in range(m.nbody)]
         mujoco.mj_kinematics(m, self.d)
@@ -259,6 +262,8 @@ class Session:
         if self.pinned:
             # a root that moves as told: next to this inertia what hangs on it weighs nothing
             m.dof_armature[:6] = PIN
+            # the inertia of a body that carries nothing is taken from here
+            m.dof_M0[:6] += PIN
         self.root_acc = np.zeros(6)
         d = self.d = mujoco.MjData(m)
         d.qpos[:], d.qvel[:] = numbers[: m.nq], numbers[m.nq :]

@@ -23,15 +23,18 @@ pub fn engine(note: impl Fn(&str) + Send + Sync + 'static) -> EngineEntry {
         let bridge = processes.idle(&note)?;
         Ok(Box::new(Mujoco::new(bridge, &integration, character, settings, q, v)?) as Box<dyn Engine>)
     })
+    .with_substeps(standing().substeps)
 }
 
 /// MuJoCo in one running process, integrated in one way: for one engine at a time.
 pub fn engine_in(bridge: &Shared, integration: Integration) -> EngineEntry {
     let bridge = bridge.clone();
+    let substeps = integration.substeps;
     EngineEntry::new(NAME, DESCRIPTION, move |character, settings, q, v| {
         let mujoco = Mujoco::new(bridge.clone(), &integration, character, settings, q, v)?;
         Ok(Box::new(mujoco) as Box<dyn Engine>)
     })
+    .with_substeps(substeps)
 }
 
 /// How bodies stand in MuJoCo.
@@ -44,15 +47,15 @@ pub fn standing() -> Integration {
     }
 }
 
-/// How a body with these settings is integrated: on ground so that its contact solver sees the implicit damping,
+/// How a body with these settings is integrated, in as many steps as they say: on ground so that its contact solver sees the implicit damping,
 /// elsewhere to fourth order.
 fn integration(settings: &EngineSettings) -> Result<Integration, EngineError> {
     match (settings.contact, settings.ground) {
         (ContactLaw::Spring { .. }, Some(_)) => Err(EngineError::Failed(
             "spring contacts are not translated to MuJoCo, whose solref is per mass of the body; use stiff ones".into(),
         )),
-        (ContactLaw::Stiff, Some(_)) => Ok(standing()),
-        (_, None) => Ok(Integration::reference(standing().substeps)),
+        (ContactLaw::Stiff, Some(_)) => Ok(Integration { substeps: settings.substeps, ..standing() }),
+        (_, None) => Ok(Integration::reference(settings.substeps)),
     }
 }
 

@@ -1,7 +1,8 @@
 //! The Python environment MuJoCo runs in.
 //!
-//! In: a Python on the machine. Out: a virtual environment with the pinned `mujoco` wheel, made once in the
-//! user's cache and reused, offline too. Nothing is installed anywhere else.
+//! In: a Python on the machine. Out: a virtual environment with MuJoCo, made once in the user's cache and reused, offline too.
+//! Every package in it is one of `requirements.txt`, with its version and the hash of its wheel: pip takes no other. Nothing is
+//! installed anywhere else.
 //!
 //! | variable | what it does |
 //! |---|---|
@@ -22,7 +23,7 @@ pub const MUJOCO: &str = "4.0.0";
 pub enum EnvironmentError {
     /// No Python.
     #[error(
-        "no Python found: looked for {looked}. The cross-check runs MuJoCo {MUJOCO}, a Python package: install Python 3.10 or newer with `venv` and `pip`, or name one with CONTRAPPOSTO_PYTHON"
+        "no Python found: looked for {looked}. The cross-check runs MuJoCo {MUJOCO}, a Python package: install Python 3.11 or newer with `venv` and `pip`, or name one with CONTRAPPOSTO_PYTHON"
     )]
     NoPython {
         /// The names tried.
@@ -51,10 +52,10 @@ pub enum EnvironmentError {
 /// [`EnvironmentError`].
 pub fn prepare(note: &mut dyn FnMut(&str)) -> Result<PathBuf, EnvironmentError> {
     let home = cache()?;
-    let place = home.join(format!("mujoco-{MUJOCO}"));
+    let place = home.join(format!("mujoco-{MUJOCO}-pinned"));
     // two threads of one process take turns; two processes each make one, and the first to finish wins
     let _turn = TURN.lock().unwrap_or_else(PoisonError::into_inner);
-    let ready = || place.join(READY).is_file();
+    let ready = || fs::read_to_string(place.join(READY)).is_ok_and(|made_of| made_of == REQUIREMENTS);
     if ready() {
         return Ok(python_of(&place));
     }
@@ -79,15 +80,19 @@ pub fn prepare(note: &mut dyn FnMut(&str)) -> Result<PathBuf, EnvironmentError> 
 
 static TURN: Mutex<()> = Mutex::new(());
 
-/// Written when everything is installed.
+/// Written when everything is installed: what it was made of, so that another version is made anew.
 const READY: &str = "ready";
+/// What is installed: every package, its version and the hashes of its wheels.
+const REQUIREMENTS: &str = include_str!("requirements.txt");
 
 fn make(python: &str, making: &Path) -> Result<(), EnvironmentError> {
     run(making, Command::new(python).args(["-m", "venv"]).arg(making))?;
-    let wheel = format!("mujoco=={MUJOCO}");
-    let pip = ["-m", "pip", "install", "--quiet", "--disable-pip-version-check", "--only-binary", ":all:"];
-    run(making, Command::new(python_of(making)).args(pip).args([&wheel, "numpy"]))?;
-    fs::write(making.join(READY), &wheel).map_err(|e| step(making, "mark it ready", e.to_string()))
+    let list = making.join("requirements.txt");
+    fs::write(&list, REQUIREMENTS).map_err(|e| step(making, "write the list of packages", e.to_string()))?;
+    let pip = ["-m", "pip", "install", "--quiet", "--disable-pip-version-check"];
+    let pinned = ["--only-binary", ":all:", "--require-hashes", "--requirement"];
+    run(making, Command::new(python_of(making)).args(pip).args(pinned).arg(&list))?;
+    fs::rename(&list, making.join(READY)).map_err(|e| step(making, "mark it ready", e.to_string()))
 }
 
 fn run(place: &Path, command: &mut Command) -> Result<(), EnvironmentError> {
@@ -124,7 +129,7 @@ fn find_python() -> Result<String, EnvironmentError> {
     let names = named.map_or_else(|| vec!["python3".into(), "python".into()], |n| vec![n]);
     let works = |name: &&String| {
         let asked =
-            Command::new(name).args(["-c", "import sys; sys.exit(sys.version_info < (3, 10))"]).output();
+            Command::new(name).args(["-c", "import sys; sys.exit(sys.version_info < (3, 11))"]).output();
         asked.is_ok_and(|out| out.status.success())
     };
     let found = names.iter().find(works).cloned();
@@ -133,4 +138,37 @@ fn find_python() -> Result<String, EnvironmentError> {
 
 fn python_of(place: &Path) -> PathBuf {
     if cfg!(windows) { place.join("Scripts").join("python.exe") } else { place.join("bin").join("python") }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Every package has one version and a hash; MuJoCo's is the one that is named in messages and results.
+    #[test]
+    fn every_package_is_pinned_by_hash() {
+        let text = REQUIREMENTS.replace("\\\n", " ");
+        let packages: Vec<&str> = text.lines().filter(|l| !l.trim_start().starts_with('#')).collect();
+        assert!(packages.len() > 5, "{packages:?}");
+        for package in &packages {
+            assert!(package.contains("==") && package.contains("--hash=sha256:"), "{package}");
+        }
+        let mujoco = format!("mujoco=={MUJOCO} ");
+        assert!(packages.iter().any(|p| p.starts_with(&mujoco)), "{mujoco}");
+    }
+
+    /// What is installed is what is pinned, and nothing else but pip and its tools.
+    #[test]
+    fn slow_what_is_installed_is_what_is_pinned() {
+        let python = prepare(&mut |_| {}).expect("an environment");
+        let list = "import importlib.metadata as m\nfor d in m.distributions(): print(d.name.lower() + '==' + d.version)";
+        let out = Command::new(python).args(["-c", list]).output().expect("Python runs");
+        let installed = String::from_utf8_lossy(&out.stdout).into_owned();
+        let ours = |l: &&str| !["pip==", "setuptools=="].iter().any(|tool| l.starts_with(tool));
+        let installed: Vec<&str> = installed.lines().filter(ours).collect();
+        assert!(installed.len() > 5, "{installed:?}");
+        for package in installed {
+            assert!(REQUIREMENTS.contains(&format!("{package} ")), "{package} is not pinned");
+        }
+    }
 }

@@ -29,6 +29,8 @@ const COMMON_HZ: f64 = 120.0;
 pub struct ForwardRun {
     /// The checks.
     pub checks: Vec<Check>,
+    /// Why there is none, if so.
+    pub nothing: Vec<String>,
     /// Joint RMS at each of [`RATES_HZ`], degrees.
     pub errors_deg: [f64; 4],
     /// Link whose joint differs most at the default step.
@@ -75,7 +77,12 @@ pub fn compare(bridge: &Shared, take: &Take, progress: &mut dyn FnMut(f64)) -> R
     }
     let ours = ours.expect("the default is among the rates");
     let worst = joint_errors(&ours, &reference).into_iter().max_by(|a, b| a.rms_deg.total_cmp(&b.rms_deg));
-    let link = worst.map_or(0, |e| e.link);
+    let Some(worst) = worst.filter(|_| reference.frames() > 1) else {
+        let why = if reference.frames() > 1 { "no joint turns" } else { "the motion has no duration" };
+        let nothing = vec![format!("motion without contact: {why}")];
+        return Ok(ForwardRun { checks: Vec::new(), nothing, errors_deg, link: 0, clips: [ours, reference] });
+    };
+    let link = worst.link;
     let name = &ours.skeleton.links()[link].name;
     let mut checks = vec![
         Check::of(
@@ -102,5 +109,5 @@ pub fn compare(bridge: &Shared, take: &Take, progress: &mut dyn FnMut(f64)) -> R
             checks.push(Check::absolute(&name, "", order, 1.0, 0.25).at(errors));
         }
     }
-    Ok(ForwardRun { checks, errors_deg, link, clips: [ours, reference] })
+    Ok(ForwardRun { checks, nothing: Vec::new(), errors_deg, link, clips: [ours, reference] })
 }

@@ -18,7 +18,7 @@ use sim::{Outcome, Pass, PassError, rapier};
 use takes::Take;
 
 use crate::bridge::Shared;
-use crate::check::{Check, Measure};
+use crate::check::{Check, Measure, ratio};
 use crate::engine::{engine_in, standing};
 use crate::mujoco::Integration;
 
@@ -103,6 +103,8 @@ pub fn in_mujoco(
 pub struct SceneRun {
     /// The checks.
     pub checks: Vec<Check>,
+    /// What there is nothing to compare of, with the reason.
+    pub nothing: Vec<String>,
     /// The trace of rapier's run.
     pub ours: Trace,
     /// The trace of MuJoCo's run.
@@ -158,7 +160,8 @@ pub fn scene(bridge: &Shared, take: &Take, progress: &mut dyn FnMut(f64)) -> Res
         [&ours.fall, &theirs.fall].into_iter().flatten().map(Fall::first_s).fold(f64::INFINITY, f64::min);
     let (mut ours, mut theirs) = (ours.trace, theirs.trace);
     if lost_s < SETTLE + LEAST_SPAN {
-        return Ok(SceneRun { checks: vec![verdict], ours, theirs });
+        let nothing = vec!["scene: forces: it falls before they can be compared".into()];
+        return Ok(SceneRun { checks: vec![verdict], nothing, ours, theirs });
     }
     let before = |t: &Trace| ((lost_s * t.rate_hz) as usize).clamp(1, t.rows());
     ours = ours.cut(0..before(&ours));
@@ -173,6 +176,11 @@ pub fn scene(bridge: &Shared, take: &Take, progress: &mut dyn FnMut(f64)) -> Res
     let weight = take.body.character.mass() * take.conditions.physics.gravity.norm();
     let (a, b) = (Vertical::of(&ours, None), Vertical::of(&theirs, None));
     let gap = a.compare(&b, weight);
+    if gap.count == 0 {
+        let why = format!("every step is within {SETTLE} s of the start or {AROUND} s of an impact");
+        let nothing = vec![format!("scene: forces: {why}")];
+        return Ok(SceneRun { checks: vec![verdict], nothing, ours, theirs });
+    }
     let half = Vertical::of(&finer_ours, None).compare(&Vertical::of(&finer_theirs, None), weight);
     let sink = |t: &Trace| {
         let deepest = t.contacts.iter().filter(|c| c.row + 1 == t.rows()).map(|c| c.depth);
@@ -218,13 +226,13 @@ pub fn scene(bridge: &Shared, take: &Take, progress: &mut dyn FnMut(f64)) -> Res
         let order = Check::absolute(
             "scene: difference at half the step over the difference",
             "",
-            half.rms / gap.rms,
+            ratio(half.rms, gap.rms),
             0.5,
             0.25,
         );
         checks.push(order.at("MuJoCo's column: what first order predicts"));
     }
-    let off = |at: usize| (a.impulse(at) - b.impulse(at)).abs() / b.impulse(at).abs().max(f64::MIN_POSITIVE);
+    let off = |at: usize| ratio((a.impulse(at) - b.impulse(at)).abs(), b.impulse(at).abs());
     if let Some(&(at, _)) = gap.impacts.iter().max_by(|x, y| off(x.0).total_cmp(&off(y.0))) {
         let times: Vec<String> =
             gap.impacts.iter().map(|(k, _)| format!("{:.2}", *k as f64 / a.rate_hz)).collect();
@@ -241,7 +249,7 @@ pub fn scene(bridge: &Shared, take: &Take, progress: &mut dyn FnMut(f64)) -> Res
                 .because(reason),
         );
     }
-    Ok(SceneRun { checks, ours, theirs })
+    Ok(SceneRun { checks, nothing: Vec::new(), ours, theirs })
 }
 
 struct Vertical {
@@ -250,6 +258,8 @@ struct Vertical {
 }
 
 struct Gap {
+    /// Steps compared.
+    count: usize,
     rms: f64,
     peak: f64,
     at: usize,
@@ -293,7 +303,7 @@ impl Vertical {
     fn compare_spared(&self, other: &Self, weight: f64, spared: &[bool]) -> Gap {
         let settled = (SETTLE * self.rate_hz) as usize;
         let (mut sum, mut count, mut peak, mut at) =
-            (0.0, 0, 0.0, settled.min(spared.len().saturating_sub(1)));
+            (0.0, 0_usize, 0.0, settled.min(spared.len().saturating_sub(1)));
         for k in settled..spared.len() {
             if spared[k] {
                 continue;
@@ -305,7 +315,8 @@ impl Vertical {
                 (peak, at) = (d, k);
             }
         }
-        Gap { rms: (sum / f64::from(count.max(1))).sqrt(), peak, at, spared: Vec::new(), impacts: Vec::new() }
+        let rms = ratio(sum, count as f64).sqrt();
+        Gap { count, rms, peak, at, spared: Vec::new(), impacts: Vec::new() }
     }
 
     fn impulse(&self, at: usize) -> f64 {
@@ -318,4 +329,33 @@ impl Vertical {
 /// Whether a link hangs on `on` or is it.
 fn belongs(trace: &Trace, link: usize, on: usize) -> bool {
     trace.character.skeleton.ancestors(link).any(|l| l == on)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn vertical(force: Vec<f64>) -> Vertical {
+        Vertical { rate_hz: 100.0, force }
+    }
+
+    /// Of no steps, and of steps that are all spared, nothing is compared: the count says so, and no number is made up.
+    #[test]
+    fn nothing_compared_is_counted_as_nothing() {
+        for force in [vec![], vec![1.0], vec![0.0; 50]] {
+            let gap = vertical(force.clone()).compare(&vertical(force), 700.0);
+            assert_eq!((gap.count, gap.rms, gap.peak), (0, 0.0, 0.0));
+        }
+        let jumps: Vec<f64> = (0..60).map(|k| f64::from(k % 2) * 700.0).collect();
+        assert_eq!(vertical(jumps.clone()).compare(&vertical(jumps), 700.0).count, 0);
+    }
+
+    #[test]
+    fn zeros_agree_and_differences_are_parts_of_the_weight() {
+        let zeros = vertical(vec![0.0; 80]).compare(&vertical(vec![0.0; 80]), 700.0);
+        assert_eq!((zeros.count, zeros.rms, zeros.peak), (30, 0.0, 0.0));
+        let apart = vertical(vec![7.0; 80]).compare(&vertical(vec![0.0; 80]), 700.0);
+        assert!((apart.rms - 0.01).abs() < 1e-15 && apart.peak == 0.01, "{} {}", apart.rms, apart.peak);
+        assert_eq!(vertical(vec![]).impulse(0), 0.0);
+    }
 }

@@ -99,7 +99,12 @@ impl Mujoco {
         let set_points: Vec<SetPoints> =
             model.bodies.iter().map(|b| SetPoints::of(&b.joint, links[b.link].limits.as_ref())).collect();
         let antagonists = axis_set_points(&character.skeleton);
-        let options = MjcfOptions { gravity: settings.gravity, ground: settings.ground, antagonists };
+        let options = MjcfOptions {
+            gravity: settings.gravity,
+            ground: settings.ground,
+            antagonists,
+            ..MjcfOptions::default()
+        };
         let file = mjcf::write(character, &options).map_err(|e| EngineError::Failed(e.to_string()))?;
         // joint limits are off: the stops of the pass replace them
         let info = lock(&bridge).load(&Source::Text(&file.text), &["limit"], true).map_err(engine)?;

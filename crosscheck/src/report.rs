@@ -2,7 +2,7 @@
 //!
 //! In: a [`CrossCheck`]. Out: text and figures; nothing is written to disk here. The JSON is
 //! `{"name", "mujoco", "seed", "states", "failed", "checks": [{"quantity", "ours", "mujoco", "abs_error",
-//! "rel_error", "threshold", "measure", "unit", "at", "pass", "reason"}], "left_out"}`.
+//! "rel_error", "threshold", "measure", "unit", "at", "pass", "reason"}], "nothing", "left_out"}`.
 
 use std::fmt::Write;
 
@@ -68,6 +68,9 @@ pub fn text(cross: &CrossCheck) -> String {
     let width = |k: usize| rows.iter().map(|r| r[k].chars().count()).max().unwrap_or(0);
     let widths: Vec<usize> = (0..6).map(width).collect();
     let mut out = String::new();
+    if cross.checks.is_empty() {
+        rows.clear();
+    }
     let mut reasons = cross.checks.iter().map(|c| c.reason.as_deref());
     for (i, row) in rows.iter().enumerate() {
         let mut line = String::new();
@@ -81,6 +84,9 @@ pub fn text(cross: &CrossCheck) -> String {
         {
             let _ = writeln!(out, "      because {reason}");
         }
+    }
+    for item in &cross.nothing {
+        let _ = writeln!(out, "nothing to compare: {item}");
     }
     for item in &cross.left_out {
         let _ = writeln!(out, "left out: {item}");
@@ -97,6 +103,7 @@ pub fn json(cross: &CrossCheck) -> String {
         "states": cross.states,
         "failed": cross.failed(),
         "checks": cross.checks,
+        "nothing": cross.nothing,
         "left_out": cross.left_out,
     });
     serde_json::to_string_pretty(&value).expect("plain data") + "\n"
@@ -122,9 +129,11 @@ pub fn figures(cross: &CrossCheck) -> Vec<(&'static str, Figure)> {
 /// # Errors
 /// Of a figure.
 pub fn html(cross: &CrossCheck) -> Result<String, plots::FigureError> {
-    let (failed, all) = (cross.failed(), cross.checks.len());
-    let verdict =
-        if failed == 0 { format!("all {all} checks pass") } else { format!("{failed} of {all} checks fail") };
+    let verdict = match (cross.failed(), cross.checks.len()) {
+        (0, 0) => "nothing to compare".to_owned(),
+        (0, all) => format!("all {all} checks pass"),
+        (failed, all) => format!("{failed} of {all} checks fail"),
+    };
     let mut rows = String::new();
     for c in &cross.checks {
         let (e, kind) = error(c);
@@ -149,6 +158,9 @@ pub fn html(cross: &CrossCheck) -> Result<String, plots::FigureError> {
     for (stem, figure) in figures(cross) {
         let _ = writeln!(pictures, "<figure id={stem}>{}</figure>", inline(&figure.svg()?));
     }
+    let nothing: String = cross.nothing.iter().map(|l| format!("<li>{}</li>", escape(l))).collect();
+    let nothing =
+        if nothing.is_empty() { nothing } else { format!("<h2>Nothing to compare</h2><ul>{nothing}</ul>") };
     let left: String = cross.left_out.iter().map(|l| format!("<li>{}</li>", escape(l))).collect();
     let left = if left.is_empty() { left } else { format!("<h2>Left out of the file</h2><ul>{left}</ul>") };
     let name = escape(&cross.name);
@@ -169,6 +181,7 @@ figure {{ margin: 2em 0 }} svg {{ width: 100%; height: auto }}
 <p><b>{verdict}</b>. {} random states, seed {}.</p>
 <table><tr><th></th><th>quantity</th><th>ours</th><th>MuJoCo</th><th>absolute error</th><th>relative error</th><th>allowed</th><th>where</th></tr>
 {rows}</table>
+{nothing}
 {left}
 {pictures}</html>
 ",

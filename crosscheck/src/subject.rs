@@ -16,6 +16,7 @@ use bodies::Character;
 use dynamics::{Model, RootMode};
 use formats::mjcf::{self, MjcfError, MjcfOptions};
 use formats::model::{ImportError, ImportOptions, Imported};
+use formats::model_file::Format;
 use formats::mujoco_layout::Layout;
 use motion::{Quat, Vec3};
 use scenes::Patch;
@@ -34,7 +35,7 @@ use crate::forward::{self, ForwardRun};
 use crate::ground::{self, SceneRun};
 use crate::inject::{Injection, InjectionError};
 use crate::push::{self, PushPair};
-use crate::rigid::{self, OFF, Pair};
+use crate::rigid::{self, Compared, LARGEST, OFF, Pair};
 
 /// How to cross-check.
 #[derive(Clone, Debug)]
@@ -100,6 +101,11 @@ pub enum CrossCheckError {
         /// What is checked.
         what: &'static str,
     },
+    /// More degrees of freedom than are compared.
+    #[error(
+        "the body has {0} degrees of freedom; at most {LARGEST} are compared: every state has a mass matrix"
+    )]
+    TooLarge(usize),
     /// A character that MJCF has no words for.
     #[error("no MJCF of this character: {0}")]
     Mjcf(#[from] MjcfError),
@@ -134,8 +140,9 @@ impl CrossCheckError {
                 | Self::NoScene(_)
                 | Self::Inject(_)
                 | Self::Against { .. }
+                | Self::TooLarge(_)
                 | Self::Mjcf(_)
-                | Self::Bridge(BridgeError::Joints(_))
+                | Self::Bridge(BridgeError::Joints(_) | BridgeError::Bodies(_))
         )
     }
 }
@@ -152,6 +159,8 @@ pub struct CrossCheck {
     pub states: usize,
     /// The checks, in order.
     pub checks: Vec<Check>,
+    /// Quantities of which there is nothing to compare, each with the reason.
+    pub nothing: Vec<String>,
     /// What a model file has and the comparison has not.
     pub left_out: Vec<String>,
     /// Motion without contacts.
@@ -165,6 +174,11 @@ pub struct CrossCheck {
 }
 
 impl CrossCheck {
+    fn take(&mut self, compared: Compared) {
+        self.checks.extend(compared.checks);
+        self.nothing.extend(compared.nothing);
+    }
+
     /// Checks that failed.
     pub fn failed(&self) -> usize {
         self.checks.iter().filter(|c| !c.pass).count()
@@ -210,6 +224,7 @@ pub fn run(
         seed: options.seed,
         states: options.states,
         checks: Vec::new(),
+        nothing: Vec::new(),
         left_out: Vec::new(),
         forward: None,
         landing: None,
@@ -225,9 +240,9 @@ pub fn run(
     };
     match &subject {
         Subject::Model(ours) => {
-            let file = match &other {
-                None => path,
-                Some((p, Subject::Model(_))) => p,
+            let (file, read) = match &other {
+                None => (path, ours),
+                Some((p, Subject::Model(read))) => (*p, read),
                 Some(_) => return Err(against("a model file")),
             };
             out.left_out = ours.left_out.iter().map(ToString::to_string).collect();
@@ -237,10 +252,11 @@ pub fn run(
             let theirs = Theirs {
                 source: Source::File(&file),
                 file: Some(ours),
+                names: body_names(read),
                 joints: &joints,
                 turn: ours.ours_from_file,
             };
-            out.checks = states(&character, ours.gravity, &theirs, &bridge, options)?;
+            out.take(states(&character, ours.gravity, &theirs, &bridge, options)?);
         }
         Subject::Character(_) | Subject::Take(_) => {
             let (character, gravity) = subject.body();
@@ -253,10 +269,11 @@ pub fn run(
             let theirs = Theirs {
                 source: Source::Text(&file.text),
                 file: None,
+                names: None,
                 joints: &file.joints,
                 turn: Quat::identity(),
             };
-            out.checks = states(&wrong(character)?, gravity, &theirs, &bridge, options)?;
+            out.take(states(&wrong(character)?, gravity, &theirs, &bridge, options)?);
         }
     }
     if let (Subject::Take(take), false) = (&subject, options.states_only) {
@@ -324,10 +341,19 @@ fn take_of(path: &Path, root: Option<RootChoice>, options: &Options) -> Result<T
     takes::open(path, &Ask { overrides, ..Ask::default() })
 }
 
+/// Our names of the bodies of an MJCF, in its order. Those of a URDF all have a name, and MuJoCo may order them in another way.
+fn body_names(read: &Imported) -> Option<Vec<&str>> {
+    let name =
+        |link: &Option<usize>| link.map_or("world", |l| read.character.skeleton.links()[l].name.as_str());
+    (read.format == Format::Mjcf).then(|| read.bodies.iter().map(name).collect())
+}
+
 struct Theirs<'a> {
     source: Source<'a>,
     /// What was read of it, if both sides read a file.
     file: Option<&'a Imported>,
+    /// Our names of its bodies in its order, where those of the file may not be enough.
+    names: Option<Vec<&'a str>>,
     joints: &'a [usize],
     turn: Quat,
 }
@@ -338,13 +364,19 @@ fn states(
     theirs: &Theirs<'_>,
     bridge: &Shared,
     options: &Options,
-) -> Result<Vec<Check>, CrossCheckError> {
-    let mut bridge = lock(bridge);
-    let info = bridge.load(&theirs.source, &OFF, true)?;
+) -> Result<Compared, CrossCheckError> {
     let model = Model::new(character, gravity);
+    if model.nv() > LARGEST {
+        return Err(CrossCheckError::TooLarge(model.nv()));
+    }
+    let mut bridge = lock(bridge);
+    let mut info = bridge.load(&theirs.source, &OFF, true)?;
+    if let Some(names) = &theirs.names {
+        info.name_bodies(names)?;
+    }
     let places = info.places(&character.skeleton, theirs.joints)?;
     let layout = match theirs.file {
-        Some(read) => Layout::of_import(read, &places, info.nq, info.nv),
+        Some(read) => Layout::in_file_axes(&read.character.skeleton, &places, info.nq, info.nv),
         None => Layout::new(&character.skeleton, &places, info.nq, info.nv),
     };
     let pair = Pair {
@@ -377,10 +409,15 @@ fn engines(
     let forward =
         forward::compare(bridge, &pinned, &mut |x| on_event(Event::Part("motion without contact", x)))?;
     out.checks.extend(forward.checks.clone());
+    out.nothing.extend(forward.nothing.clone());
     out.forward = Some(forward);
-    let on_feet =
-        take.conditions.physics.root == RootMode::Free && free && take.conditions.physics.ground.is_some();
+    let physics = &take.conditions.physics;
+    let on_feet = physics.root == RootMode::Free && free && physics.ground.is_some();
     if !on_feet || take.asked.plants.is_empty() {
+        return Ok(());
+    }
+    if physics.gravity == Vec3::zeros() {
+        out.nothing.push("contact: without gravity nothing stands".into());
         return Ok(());
     }
     on_event(Event::Part("boxes", 0.0));
@@ -393,6 +430,7 @@ fn engines(
     on_event(Event::Part("on its feet", 0.0));
     let scene = ground::scene(bridge, take, &mut |x| on_event(Event::Part("on its feet", x)))?;
     out.checks.extend(scene.checks.clone());
+    out.nothing.extend(scene.nothing.clone());
     out.scene = Some(scene);
     Ok(())
 }

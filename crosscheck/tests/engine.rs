@@ -49,6 +49,27 @@ fn slow_engines_that_live_at_once_do_not_meet() {
     assert_ne!(alone[0], alone[1]);
 }
 
+/// As many steps as are asked for: one Runge–Kutta step in place of eight leaves another motion; what is not asked for are eight.
+#[test]
+fn slow_substeps_are_those_asked_for() {
+    let engines = engines();
+    let mujoco = engines.get("mujoco").unwrap();
+    assert_eq!(mujoco.substeps(), Some(8));
+    let human = human().0;
+    let v: Vec<f64> = (0..human.skeleton.nv()).map(|i| (i as f64 * 2.3).cos()).collect();
+    let end = |substeps: usize| {
+        let settings = EngineSettings { substeps, ..settings() };
+        let mut engine = mujoco.build(&human, settings, &human.rest, &v).unwrap();
+        (0..10).for_each(|_| engine.step().unwrap());
+        engine.q().to_vec()
+    };
+    let apart = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(x, y)| (x - y).abs()).fold(0.0, f64::max);
+    let [one, two, eight] = [1, 2, 8].map(end);
+    // fourth order: the error of one step is some sixteen times that of two
+    let (coarse, fine) = (apart(&one, &eight), apart(&two, &eight));
+    assert!(fine > 0.0 && coarse > 8.0 * fine && coarse < 1e-3, "{coarse} {fine}");
+}
+
 /// Contacts of a given compliance have no translation that holds for any body: refused, not ignored.
 #[test]
 fn spring_contacts_are_refused() {

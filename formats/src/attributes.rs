@@ -3,8 +3,10 @@
 //! In: the attributes an element has, defaults included. Out: values, or an error that names attribute, element
 //! and place.
 
+use super::limits::NUMBER;
 use super::model_file::{ModelFault, ModelFileError};
-use super::xml::{Attribute, Element, Place};
+use super::place::Place;
+use super::xml::{Attribute, Element};
 use motion::Vec3;
 
 /// Attributes of an element for reading.
@@ -50,10 +52,17 @@ impl<'a> Reader<'a> {
     pub fn numbers(&self, name: &str) -> Result<Option<Vec<f64>>, ModelFileError> {
         let Some(attribute) = self.get(name) else { return Ok(None) };
         let number = |word: &str| {
-            word.parse::<f64>().ok().filter(|x| x.is_finite()).ok_or_else(|| {
+            let number = word.parse::<f64>().ok().filter(|x| x.is_finite()).ok_or_else(|| {
                 let fault = ModelFault::BadNumber { found: word.into(), attribute: self.label(name) };
                 self.fault(name, fault)
-            })
+            })?;
+            // a range without end may be written as a great number
+            if number.abs() > NUMBER && !matches!(name, "range" | "lower" | "upper") {
+                let (found, attribute) = (word.to_owned(), self.label(name));
+                let allowed = "at most 1e12 in magnitude";
+                return Err(self.fault(name, ModelFault::OutOfBounds { attribute, found, allowed }));
+            }
+            Ok(number)
         };
         attribute.value.split_whitespace().map(number).collect::<Result<_, _>>().map(Some)
     }

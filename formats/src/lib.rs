@@ -16,6 +16,8 @@
 //! | [`table`] | the formats once: endings, what is kept and lost, [`open_clip`], [`open_model`] |
 //! | [`trace_npz`] | a trace as numpy arrays, written and read |
 //! | [`analysis`] | an analysis as CSV, MOT and npz |
+//! | [`limits`] | how much a file may hold; reading it |
+//! | [`place`] | places in text files |
 //! | [`xml`] | XML whose elements know their place |
 
 use std::io::Write;
@@ -27,10 +29,12 @@ pub mod analysis;
 mod attributes;
 pub mod bvh;
 pub mod glb;
+pub mod limits;
 pub mod mjcf;
 pub mod model;
 pub mod model_file;
 pub mod mujoco_layout;
+pub mod place;
 pub mod table;
 pub mod trace_npz;
 pub mod urdf;
@@ -50,14 +54,6 @@ pub struct FileError {
     pub path: PathBuf,
     /// What the operating system said.
     pub source: std::io::Error,
-}
-
-/// All bytes of a file.
-///
-/// # Errors
-/// [`FileError`] with the path.
-pub fn read(path: &Path) -> Result<Vec<u8>, FileError> {
-    std::fs::read(path).map_err(|source| FileError { action: "read", path: path.into(), source })
 }
 
 /// Writes a file whole or not at all: to a temporary name beside it, which is then renamed.

@@ -15,8 +15,8 @@ use nalgebra::Matrix3;
 use thiserror::Error;
 
 use super::FileError;
-pub use super::xml::Place;
-use motion::names::hint;
+use super::place::Place;
+use motion::names::{brief, echo, hint};
 use motion::{Range, Transform, Vec3};
 
 /// A model file: a tree of bodies, and what was not taken from the file.
@@ -33,6 +33,8 @@ pub struct ModelFile {
     /// Bodies in depth-first order, parents first. The first is the fixed base: the `world` of an MJCF,
     /// the root link of a URDF; it has no joints.
     pub bodies: Vec<FileBody>,
+    /// Values of all joints in the rest pose, in the order of the file, and where they stand; the pose the file draws if `None`.
+    pub rest: Option<(Vec<f64>, Place)>,
     /// What was found and not taken, in the order it was found.
     pub left_out: Vec<LeftOut>,
 }
@@ -59,6 +61,8 @@ pub struct FileBody {
     pub joints: Vec<FileJoint>,
     /// Mass and inertia as written; `None` if they are to be taken from `geoms`.
     pub inertial: Option<FileInertial>,
+    /// Whether the geoms' mass and inertia come before `inertial`, which then counts only where they weigh nothing.
+    pub geoms_first: bool,
     /// Solids.
     pub geoms: Vec<FileGeom>,
     /// Named points.
@@ -189,6 +193,8 @@ pub struct FileGeom {
     pub counts: bool,
     /// Whether it collides with anything.
     pub collides: bool,
+    /// Coulomb friction coefficient.
+    pub friction: f64,
     /// Where it begins.
     pub place: Place,
 }
@@ -269,6 +275,27 @@ impl ModelFileError {
     }
 }
 
+/// A path that a file names.
+fn shown(path: &std::path::Path) -> String {
+    echo(&path.display().to_string())
+}
+
+/// A circle of files, the middle of a long one left out.
+fn chained(chain: &[String]) -> String {
+    const ENDS: usize = 4;
+    match chain.len() {
+        n if n > 2 * ENDS => {
+            format!(
+                "{} → {} more → {}",
+                chain[..ENDS].join(" → "),
+                n - 2 * ENDS,
+                chain[n - ENDS..].join(" → ")
+            )
+        }
+        _ => chain.join(" → "),
+    }
+}
+
 /// What is wrong with a model file.
 #[derive(Clone, Debug, PartialEq, Error)]
 pub enum ModelFault {
@@ -276,7 +303,7 @@ pub enum ModelFault {
     #[error("the file is not UTF-8 text from here on")]
     NotUtf8,
     /// Not well-formed XML.
-    #[error("not XML: {message}")]
+    #[error("not XML: {}", echo(message))]
     Syntax {
         /// What the XML parser says.
         message: String,
@@ -285,6 +312,14 @@ pub enum ModelFault {
     #[error("elements are nested more than {limit} deep")]
     TooDeep {
         /// Depth allowed.
+        limit: usize,
+    },
+    /// More of something than is read.
+    #[error("more than {limit} {what}")]
+    TooMany {
+        /// Of what.
+        what: &'static str,
+        /// How many are allowed.
         limit: usize,
     },
     /// Text between elements.
@@ -296,7 +331,7 @@ pub enum ModelFault {
         found: String,
     },
     /// A root element of another format.
-    #[error("the root element is <{found}>; expected <{expected}>")]
+    #[error("the root element is <{}>; expected <{expected}>", echo(found))]
     Root {
         /// Name found.
         found: String,
@@ -304,7 +339,7 @@ pub enum ModelFault {
         expected: &'static str,
     },
     /// An element the format does not have there.
-    #[error("unknown element <{element}> in <{parent}>{}", hint(element, allowed.iter().copied()))]
+    #[error("unknown element <{}> in <{parent}>{}", echo(element), hint(element, allowed.iter().copied()))]
     UnknownElement {
         /// Name found.
         element: String,
@@ -314,7 +349,7 @@ pub enum ModelFault {
         allowed: Vec<&'static str>,
     },
     /// An attribute the element does not have.
-    #[error("unknown attribute `{attribute}` of <{element}>{}", hint(attribute, allowed.iter().copied()))]
+    #[error("unknown attribute `{}` of <{element}>{}", echo(attribute), hint(attribute, allowed.iter().copied()))]
     UnknownAttribute {
         /// Name found.
         attribute: String,
@@ -340,7 +375,7 @@ pub enum ModelFault {
         parent: String,
     },
     /// A value that is no number.
-    #[error("`{found}` in {attribute} is not a finite number")]
+    #[error("`{}` in {attribute} is not a finite number", echo(found))]
     BadNumber {
         /// Word found.
         found: String,
@@ -358,7 +393,7 @@ pub enum ModelFault {
         needed: String,
     },
     /// A value out of its bounds.
-    #[error("{attribute} is {found}; it must be {allowed}")]
+    #[error("{attribute} is {}; it must be {allowed}", echo(found))]
     OutOfBounds {
         /// The attribute.
         attribute: String,
@@ -368,7 +403,7 @@ pub enum ModelFault {
         allowed: &'static str,
     },
     /// A word that is none of those allowed.
-    #[error("unknown word `{found}` for {attribute}{}", hint(found, allowed.iter().copied()))]
+    #[error("unknown word `{}` for {attribute}{}", echo(found), hint(found, allowed.iter().copied()))]
     BadWord {
         /// The attribute.
         attribute: String,
@@ -386,7 +421,7 @@ pub enum ModelFault {
         attributes: Vec<&'static str>,
     },
     /// A default class nobody defined.
-    #[error("unknown default class `{class}`{}", hint(class, known.iter().map(String::as_str)))]
+    #[error("unknown default class `{}`{}", echo(class), hint(class, known.iter().map(String::as_str)))]
     UnknownClass {
         /// Name found.
         class: String,
@@ -394,7 +429,7 @@ pub enum ModelFault {
         known: Vec<String>,
     },
     /// A default class defined twice, or without a name.
-    #[error("default class `{class}` {problem}")]
+    #[error("default class `{}` {problem}", echo(class))]
     Class {
         /// Its name.
         class: String,
@@ -402,31 +437,37 @@ pub enum ModelFault {
         problem: &'static str,
     },
     /// An included file that does not exist.
-    #[error("the included file {} does not exist", path.display())]
+    #[error("the included file {} does not exist", shown(path))]
     IncludeMissing {
         /// The file.
         path: PathBuf,
     },
     /// A file that includes itself, directly or through others.
-    #[error("the includes go round in a circle: {}", chain.join(" → "))]
+    #[error("the includes go round in a circle: {}", chained(chain))]
     IncludeLoop {
         /// The files, the first again at the end.
         chain: Vec<String>,
     },
     /// A file included more than once.
-    #[error("{} is included a second time; a file can be included once", path.display())]
+    #[error("{} is included a second time; a file can be included once", shown(path))]
     IncludeTwice {
         /// The file.
         path: PathBuf,
     },
     /// A mesh file that does not exist.
-    #[error("the mesh file {} does not exist", path.display())]
+    #[error("the mesh file {} does not exist", shown(path))]
     MeshMissing {
         /// The file.
         path: PathBuf,
     },
+    /// A name that not every format can hold.
+    #[error("{}", brief(problem))]
+    Name {
+        /// What was found and what is allowed.
+        problem: String,
+    },
     /// Two things of one name.
-    #[error("the {kind} name `{name}` is used twice; names must be unique")]
+    #[error("the {kind} name `{}` is used twice; names must be unique", echo(name))]
     DuplicateName {
         /// Body, joint or site.
         kind: &'static str,
@@ -434,7 +475,7 @@ pub enum ModelFault {
         name: String,
     },
     /// Something that would change the model and is not read.
-    #[error("{what} is not supported: {reason}")]
+    #[error("{} is not supported: {reason}", echo(what))]
     Unsupported {
         /// The element or attribute.
         what: String,
@@ -445,7 +486,7 @@ pub enum ModelFault {
     #[error("a free joint must be the only joint of a body of the world")]
     FreeJoint,
     /// A joint that names no link of the file.
-    #[error("joint `{joint}` names the unknown link `{link}`{}", hint(link, known.iter().map(String::as_str)))]
+    #[error("joint `{joint}` names the unknown link `{}`{}", echo(link), hint(link, known.iter().map(String::as_str)))]
     UnknownLink {
         /// The joint.
         joint: String,

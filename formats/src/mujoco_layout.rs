@@ -16,8 +16,6 @@
 use motion::skeleton::{quat_at, vec_at};
 use motion::{Joint, Quat, Skeleton, Transform, Vec3};
 
-use crate::model::Imported;
-
 /// A joint in both vectors.
 #[derive(Clone, Copy, Debug)]
 struct Entry {
@@ -59,10 +57,10 @@ impl Layout {
         Self::with_zero(skeleton, joints, (nq, nv), |link| world_from_zero(skeleton, link))
     }
 
-    /// The map for a model read from a file: poses of free joints stay in the axes of the file, into which the
+    /// The map for the character of a model read from a file: poses of free joints stay in the axes of the file, into which the
     /// zero frames of its character are turned.
-    pub fn of_import(model: &Imported, joints: &[JointThere], nq: usize, nv: usize) -> Self {
-        Self::with_zero(&model.character.skeleton, joints, (nq, nv), |_| Transform::identity())
+    pub fn in_file_axes(skeleton: &Skeleton, joints: &[JointThere], nq: usize, nv: usize) -> Self {
+        Self::with_zero(skeleton, joints, (nq, nv), |_| Transform::identity())
     }
 
     fn with_zero(

@@ -1,10 +1,12 @@
 //! What becomes of every word of a format: read, listed as left out, or refused.
 //!
 //! In: elements, and tables of the words a format has. Out: items left out, or an error for a word that is not
-//! in the table. So nothing is skipped in silence.
+//! in the table. So nothing is skipped in silence. What is listed is not looked into: it may hold anything, but for text
+//! inside what makes forces, where it may be a comment that was not closed.
 
 use super::model_file::{Effect, LeftOut, ModelFault, ModelFileError};
 use super::xml::{Attribute, Element};
+use motion::names;
 
 /// What becomes of an attribute.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -45,8 +47,14 @@ pub fn judge(
 ) -> Result<bool, ModelFileError> {
     let fault = |fault| Err(ModelFileError::Model { fault, place: child.place.clone() });
     match parts.iter().find(|(name, _)| *name == child.name) {
-        Some((_, Fate::Taken)) => Ok(true),
+        Some((_, Fate::Taken)) => {
+            text(child, left_out)?;
+            Ok(true)
+        }
         Some((_, Fate::Listed(effect, reason))) => {
+            if *effect == Effect::Physics {
+                no_text_inside(child)?;
+            }
             left_out.push(LeftOut {
                 what: child.title(),
                 reason,
@@ -67,13 +75,41 @@ pub fn judge(
     }
 }
 
-/// Refuses unknown attributes and lists those that are not read, one item per reason.
+/// Refuses text in an element that is read; a `>` too many is listed.
+pub fn text(element: &Element, left_out: &mut Vec<LeftOut>) -> Result<(), ModelFileError> {
+    let Some(text) = &element.text else { return Ok(()) };
+    if !text.stray {
+        let fault = ModelFault::Text { element: element.name.clone(), found: text.found.clone() };
+        return Err(ModelFileError::Model { fault, place: text.place.clone() });
+    }
+    left_out.push(LeftOut {
+        what: format!("`{}` inside <{}>", text.found, element.name),
+        reason: "a bracket too many",
+        effect: Effect::Look,
+        missing: None,
+        place: text.place.clone(),
+    });
+    Ok(())
+}
+
+/// Refuses text in an element and in all it holds.
+fn no_text_inside(element: &Element) -> Result<(), ModelFileError> {
+    text(element, &mut Vec::new())?;
+    element.children.iter().try_for_each(no_text_inside)
+}
+
+/// Refuses unknown attributes and a name that cannot be written, and lists attributes that are not read, one item per reason.
 pub fn attributes(
     element: &Element,
     words: &'static [Word],
     title: &str,
     left_out: &mut Vec<LeftOut>,
 ) -> Result<(), ModelFileError> {
+    if let Some(name) = element.attribute("name").filter(|name| !name.value.is_empty())
+        && let Err(problem) = names::check(&name.value)
+    {
+        return Err(ModelFileError::Model { fault: ModelFault::Name { problem }, place: name.place.clone() });
+    }
     let mut groups: Vec<(Effect, &'static str, Vec<&Attribute>)> = Vec::new();
     for attribute in &element.attributes {
         let fault = |fault| Err(ModelFileError::Model { fault, place: attribute.place.clone() });

@@ -18,6 +18,7 @@ type Build =
 pub struct EngineEntry {
     name: Arc<str>,
     description: Arc<str>,
+    substeps: Option<usize>,
     build: Arc<Build>,
 }
 
@@ -33,7 +34,18 @@ impl EngineEntry {
         + Sync
         + 'static,
     ) -> Self {
-        Self { name: name.into(), description: description.into(), build: Arc::new(build) }
+        Self { name: name.into(), description: description.into(), substeps: None, build: Arc::new(build) }
+    }
+
+    /// The same entry, whose engine takes `substeps` per control step where none are asked for; otherwise the pass takes as many
+    /// as its stiffest joint needs.
+    pub fn with_substeps(self, substeps: usize) -> Self {
+        Self { substeps: Some(substeps), ..self }
+    }
+
+    /// Substeps per control step where none are asked for, if the engine has a number of its own.
+    pub fn substeps(&self) -> Option<usize> {
+        self.substeps
     }
 
     /// The name by which it is chosen.

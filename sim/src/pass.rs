@@ -36,7 +36,8 @@ pub struct Pass {
     pub setup: Setup,
     /// Reactive properties beside the balance, in the order they act.
     pub reactive: Vec<Box<dyn Reactive>>,
-    /// Engine substeps per control step; `None` takes two, or more until ω₀ dt/2 ≤ 0.1 in every joint.
+    /// Engine substeps per control step; `None` takes the engine's own number, or two, or more until ω₀ dt/2 ≤ 0.1
+    /// in every joint.
     pub substeps: Option<usize>,
     /// What holds a free root; a root with a joint of its own has that, and runs as `Free`.
     pub root: RootMode,
@@ -103,7 +104,7 @@ impl Pass {
         let known: Vec<Carrying> = self.carried.iter().filter(|c| c.known).cloned().collect();
         let plan = Plan::new(self.setup, &known);
         let rate_hz = plan.goal.rate_hz;
-        let substeps = self.substeps.unwrap_or_else(|| {
+        let substeps = self.substeps.or(engine.substeps()).unwrap_or_else(|| {
             let needed = plan.added_damping(1.0 / rate_hz).0 / ADDED_DAMPING;
             (needed.ceil() as usize).clamp(2, 32)
         });

@@ -19,6 +19,9 @@ pub enum TakeError {
     /// A clip's file.
     #[error(transparent)]
     ClipFile(#[from] ClipFileError),
+    /// A physics model.
+    #[error(transparent)]
+    Model(#[from] formats::model::ImportError),
     /// No body for a clip.
     #[error(
         "{path}: {source}\n  help: give a body with --body FILE.ron; `contrapposto inspect CLIP --write-body FILE.ron` writes one of any skeleton it understands"
@@ -80,8 +83,17 @@ pub enum TakeError {
         source: IkError,
     },
     /// Something else than a scene or clip.
-    #[error("{0}: neither a scene (.ron) nor a clip ({clips})", clips = formats::table::endings(|f| f.read_clip.is_some()))]
+    #[error("{0}: neither a scene (.ron) nor a clip ({clips}){models}", models = models(_0), clips = formats::table::endings(|f| f.read_clip.is_some()))]
     Kind(String),
+}
+
+/// Where a physics model is read, if the path is one.
+fn models(path: &str) -> &'static str {
+    if formats::table::is_model(std::path::Path::new(path)) {
+        "; a physics model is read by inspect, convert and crosscheck"
+    } else {
+        ""
+    }
 }
 
 /// The most frames or control steps of a motion: half an hour at 240 Hz makes a trace of some gigabytes.

@@ -4,13 +4,14 @@
 
 use std::path::Path;
 
+use bodies::Character;
 use controllers::antagonist::axis_set_points;
 use dynamics::conditions::GRAVITY;
 use formats::bvh;
 use formats::mjcf::{self, MjcfError, MjcfOptions};
 use formats::model::{ImportError, ImportOptions};
-use motion::Floor;
 use motion::floor::FRICTION;
+use motion::{Floor, Vec3};
 use scenes::library::{self, Kind};
 
 use crate::ask::is_ron;
@@ -43,50 +44,93 @@ pub struct BodyMjcf {
     pub joints: usize,
     /// Hinges and slides with a pair of springs.
     pub antagonists: usize,
+    /// Height of the ground under the world's origin, m, if there is one.
+    pub ground_m: Option<f64>,
     /// What a physics model had and this has not.
     pub left_out: Vec<String>,
 }
 
-/// Writes the body in `path` as MJCF: of a scene with its gravity and ground; of a character, or of the body
-/// guessed for a clip, with the Earth's gravity and a ground at the height 0 (of a clip: where its feet are). Of a physics model,
-/// `dynamics_only` leaves out and lists what rigid-body dynamics has not.
+/// Writes the body in `path` as MJCF, in the pose in which it stands there: of a scene, or of the body guessed for a clip, at the
+/// start of its motion, with its gravity and ground; of a character in its rest pose, with the Earth's gravity and ground under its
+/// lowest solid; of a physics model in its own, with what it has. There, `dynamics_only` leaves out and lists what rigid-body dynamics
+/// has not.
 ///
 /// # Errors
 /// [`ExportError`].
 pub fn mjcf(path: &Path, clip: &bvh::ImportOptions, dynamics_only: bool) -> Result<BodyMjcf, ExportError> {
     let path = &library::resolve(path, &[Kind::Scene, Kind::Character]).map_err(TakeError::from)?;
-    let level = Floor::level(0.0, FRICTION);
-    let mut left_out = Vec::new();
-    let alone = match path {
-        _ if formats::table::is_model(path) => {
-            let read = formats::open_model(path, &ImportOptions { dynamics_only })?;
-            left_out = read.left_out.iter().map(ToString::to_string).collect();
-            Some((read.character, read.gravity, None))
-        }
-        _ if is_ron(path) => {
-            character_in(path).map_err(TakeError::from)?.map(|character| (character, GRAVITY, Some(level)))
-        }
-        _ => None,
+    let body = match path {
+        _ if formats::table::is_model(path) => Body::of_model(path, dynamics_only)?,
+        _ => match is_ron(path).then(|| character_in(path)).transpose().map_err(TakeError::from)?.flatten() {
+            Some(character) => Body::of_character(character),
+            None => Body::of_take(path, clip)?,
+        },
     };
-    let (character, gravity, ground) = match alone {
-        Some(found) => found,
-        None => {
-            let take = open(path, &Ask { import: *clip, ..Ask::default() })?;
-            let ground = take.conditions.physics.ground;
-            // the body as it is at the start: what comes later is not in a file without time
-            let carried = take.conditions.carried.iter().filter(|c| c.at(0.0)).map(|c| &c.what);
-            (take.body.character.carrying(carried), take.conditions.physics.gravity, ground)
-        }
-    };
-    let antagonists = axis_set_points(&character.skeleton);
+    let antagonists = axis_set_points(&body.character.skeleton);
     let count = antagonists.len();
-    let file = mjcf::write(&character, &MjcfOptions { gravity, ground, antagonists })?;
+    let options = MjcfOptions {
+        gravity: body.gravity,
+        ground: body.ground,
+        antagonists,
+        pose: Some(body.pose),
+        joint_names: body.joint_names,
+    };
+    let file = mjcf::write(&body.character, &options)?;
     Ok(BodyMjcf {
-        links: character.bodies.len(),
-        mass_kg: character.mass(),
+        links: body.character.bodies.len(),
+        mass_kg: body.character.mass(),
         joints: file.joints.len(),
         antagonists: count,
-        left_out,
+        ground_m: body.ground.map(|g| g.height_m),
+        left_out: body.left_out,
         text: file.text,
     })
+}
+
+/// A body where it stands.
+struct Body {
+    character: Character,
+    gravity: Vec3,
+    ground: Option<Floor>,
+    pose: Vec<f64>,
+    joint_names: Vec<(usize, String)>,
+    left_out: Vec<String>,
+}
+
+impl Body {
+    fn of_model(path: &Path, dynamics_only: bool) -> Result<Self, ExportError> {
+        let read = formats::open_model(path, &ImportOptions { dynamics_only })?;
+        Ok(Self {
+            gravity: read.gravity,
+            ground: read.ground,
+            pose: read.character.rest.clone(),
+            joint_names: read.joints.iter().map(|j| (j.link, j.name.clone())).collect(),
+            left_out: read.left_out.iter().map(ToString::to_string).collect(),
+            character: read.character,
+        })
+    }
+
+    fn of_character(character: Character) -> Self {
+        let pose = character.rest.clone();
+        let lowest = character.extent(&pose, &Vec3::y()).map_or(0.0, |[low, _]| low);
+        // within a micrometre of the height that files are written for
+        let height_m = if lowest.abs() < 1e-6 { 0.0 } else { lowest };
+        let ground = Some(Floor::level(height_m, FRICTION));
+        Self { character, gravity: GRAVITY, ground, pose, joint_names: Vec::new(), left_out: Vec::new() }
+    }
+
+    fn of_take(path: &Path, clip: &bvh::ImportOptions) -> Result<Self, ExportError> {
+        let take = open(path, &Ask { import: *clip, ..Ask::default() })?;
+        let physics = &take.conditions.physics;
+        // the body as it is at the start: what comes later is not in a file without time
+        let carried = take.conditions.carried.iter().filter(|c| c.at(0.0)).map(|c| &c.what);
+        Ok(Self {
+            character: take.body.character.carrying(carried),
+            gravity: physics.gravity,
+            ground: physics.ground,
+            pose: take.asked.clip.pose(0).to_vec(),
+            joint_names: Vec::new(),
+            left_out: Vec::new(),
+        })
+    }
 }

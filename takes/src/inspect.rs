@@ -1,6 +1,6 @@
 //! What is in a file, as plain data that serialises.
 //!
-//! In: a scene, a character or a clip. Out: an [`Inspection`]: names, degrees of freedom, limits and
+//! In: a scene, a character, a clip or a physics model. Out: an [`Inspection`]: names, degrees of freedom, limits and
 //! masses of a body; actions, elements and edits of a scene; units, axes and length of a clip. Degrees,
 //! metres, kilograms, seconds, each in its field's name.
 
@@ -10,8 +10,10 @@ use std::path::Path;
 use bodies::anthropometry::{BodyOptions, BodyReport, guess_body_of_clip};
 use bodies::{Character, JointClass};
 use formats::bvh::{ImportOptions, ImportReport};
+use formats::model::{self, Imported};
+use formats::model_file::{Effect, Format as ModelFormat};
 use motion::names::Word;
-use motion::{Clip, Dof, Joint, Kinematics, Limits, Range, Shape, Skeleton, Tracks, Value};
+use motion::{Clip, Dof, Joint, Kinematics, Limits, Range, Skeleton, Tracks, Value};
 use serde::Serialize;
 
 use crate::TakeError;
@@ -34,6 +36,8 @@ pub enum Inspection {
     Character(BodyInspection),
     /// Of a clip.
     Clip(ClipInspection),
+    /// Of a physics model.
+    Model(ModelInspection),
 }
 
 /// A body, or a bare skeleton.
@@ -55,6 +59,27 @@ pub struct BodyInspection {
     pub limbs: BTreeMap<String, [String; 3]>,
     /// Body parts that edits may name, each with its links.
     pub parts: BTreeMap<String, Vec<String>>,
+}
+
+/// A physics model: what is read of it, and what is not.
+#[derive(Clone, Debug, Serialize)]
+pub struct ModelInspection {
+    /// `MJCF` or `URDF`.
+    pub format: &'static str,
+    /// The body.
+    pub body: BodyInspection,
+    /// Gravity, Y up, m/s².
+    pub gravity_m_s2: [f64; 3],
+    /// Height of the ground, m; null if the model has none.
+    pub ground_m: Option<f64>,
+    /// Whether commands that take models need `--dynamics-only`: something that makes forces is not read.
+    pub dynamics_only: bool,
+    /// What is not read and makes forces, by reason with how often.
+    pub forces_left_out: String,
+    /// What is not read and makes none, by reason with how often.
+    pub looks_left_out: String,
+    /// What is not read, item by item with its place.
+    pub left_out: Vec<String>,
 }
 
 /// A link and its joint.
@@ -218,7 +243,7 @@ pub fn character_in(path: &Path) -> Result<Option<Character>, SceneError> {
     (source.first_word() == Some("Character")).then(|| character_file::parse(&source)).transpose()
 }
 
-/// Looks into a file: `.ron` (scene or character) or a clip. The character is the one a clip's body was
+/// Looks into a file: `.ron` (scene or character), a clip or a physics model. The character is the one a clip's body was
 /// guessed to be, or the file's.
 ///
 /// # Errors
@@ -236,6 +261,11 @@ pub fn inspect(path: &Path, import: &ImportOptions) -> Result<(Inspection, Optio
             let scene = scene::parse(source, name)?;
             Ok((Inspection::Scene(of_scene(&scene)?), None))
         }
+        _ if formats::table::is_model(path) => {
+            let read = formats::open_model(path, &model::ImportOptions { dynamics_only: true })?;
+            let inspection = of_model(&read);
+            Ok((Inspection::Model(inspection), Some(read.character)))
+        }
         _ if formats::table::is_clip(path) => {
             let (clip, report) = formats::open_clip(path, import)?;
             let (character, guess, fault) = match guess_body_of_clip(&clip, &BodyOptions::default()) {
@@ -249,31 +279,28 @@ pub fn inspect(path: &Path, import: &ImportOptions) -> Result<(Inspection, Optio
     }
 }
 
+fn of_model(read: &Imported) -> ModelInspection {
+    let of = |effect| model::summary(read.left_out.iter().filter(|item| item.effect == effect));
+    ModelInspection {
+        format: match read.format {
+            ModelFormat::Mjcf => "MJCF",
+            ModelFormat::Urdf => "URDF",
+        },
+        body: body(&read.character),
+        gravity_m_s2: read.gravity.into(),
+        ground_m: read.ground.map(|g| g.height_m),
+        dynamics_only: read.left_out.iter().any(|item| item.effect == Effect::Physics),
+        forces_left_out: of(Effect::Physics),
+        looks_left_out: of(Effect::Look),
+        left_out: read.left_out.iter().map(ToString::to_string).collect(),
+    }
+}
+
 /// A character.
 pub fn body(c: &Character) -> BodyInspection {
-    let k = Kinematics::new(&c.skeleton, &c.rest);
-    let solids = c.bodies.iter().enumerate().flat_map(|(link, b)| b.shapes.iter().map(move |s| (link, s)));
-    let ends = solids.map(|(link, s)| {
-        let world = &k.world[link];
-        let at = |p: &motion::Vec3| (world * nalgebra::Point3::from(*p)).y;
-        match s {
-            Shape::Capsule { a, b, radius } => (at(a).min(at(b)) - radius, at(a).max(at(b)) + radius),
-            Shape::Sphere { center, radius } => (at(center) - radius, at(center) + radius),
-            Shape::Box { center, half, rotation } => {
-                // reach of a box along the vertical: Σ |row · half|
-                let turn = (world.rotation * rotation).to_rotation_matrix();
-                let reach: f64 = (0..3).map(|i| (turn[(1, i)] * half[i]).abs()).sum();
-                (at(center) - reach, at(center) + reach)
-            }
-            Shape::Cone { .. } => {
-                let heights = || s.rims().into_iter().map(|p| at(&p));
-                (heights().fold(f64::INFINITY, f64::min), heights().fold(f64::NEG_INFINITY, f64::max))
-            }
-        }
-    });
     let mut out = skeleton(&c.name, &c.skeleton, &c.rest);
-    if let Some(height) = extent(ends) {
-        out.height_m = height;
+    if let Some([low, high]) = c.extent(&c.rest, &motion::Vec3::y()) {
+        out.height_m = high - low;
     }
     out.mass_kg = Some(c.mass());
     for (i, link) in out.links.iter_mut().enumerate() {

@@ -122,7 +122,7 @@ fn slow_bad_input_is_told() {
     for (from, to, words) in [
         ("<freejoint name=\"root\"/>", "<freejoint name=\"root\"/><flea/>", "flea"),
         ("mass=\"1.5\"", "mass=\"-1.5\"", "-1.5"),
-        ("</worldbody>", "</worldbody><sensor><clock/></sensor>", "clock"),
+        ("</worldbody>", "</worldbody><actuator><motor name=\"m\"/></actuator>", "motor"),
         ("</worldbody>", "<include file=\"bad.xml\"/></worldbody>", "include"),
     ] {
         with(from, to);

@@ -26,6 +26,7 @@ use thiserror::Error;
 use super::guess::{self, Axis, FrameRate, Units, UpAxis};
 use super::{Bvh, Channel};
 use motion::rotation::{Quat, Vec3};
+use motion::skeleton::FARTHEST;
 use motion::{Clip, Joint, Link, Skeleton, SkeletonError};
 
 /// Positions that vary less than this (m) do not move.
@@ -82,7 +83,7 @@ pub enum ImportError {
     #[error("{0} metres per unit; expected a positive number")]
     Units(f64),
     /// A number too large for metres.
-    #[error("frame {frame} of `{joint}` overflows in metres")]
+    #[error("frame {frame} of `{joint}` is beyond {FARTHEST:e} m")]
     Overflow {
         /// Frame, from 0.
         frame: usize,
@@ -297,7 +298,7 @@ fn poses(bvh: &Bvh, skeleton: &Skeleton, frame: &Frame, first: usize) -> Result<
                 }
                 Joint::Spherical | Joint::Fixed => {}
             }
-            if !pose[at..at + kind.nq()].iter().all(|x| x.is_finite()) {
+            if !pose[at..at + kind.nq()].iter().all(|x| x.abs() <= FARTHEST) {
                 return Err(ImportError::Overflow { frame: i, joint: joint.name.clone() });
             }
         }

@@ -24,6 +24,7 @@ use std::path::{Path, PathBuf};
 use thiserror::Error;
 
 use super::FileError;
+use super::limits::{self, CLIP_BYTES};
 use motion::Clip;
 
 mod guess;
@@ -124,7 +125,7 @@ pub enum BvhFileError {
 /// # Errors
 /// [`BvhFileError`]; every message names the path, and the line and column where there is one.
 pub fn read_file(path: &Path, options: &ImportOptions) -> Result<(Clip, ImportReport), BvhFileError> {
-    let bytes = super::read(path)?;
+    let bytes = limits::read(path, CLIP_BYTES)?;
     let bvh = Bvh::parse(&bytes).map_err(|source| BvhFileError::Parse { path: path.into(), source })?;
     import(&bvh, options).map_err(|source| BvhFileError::Import { path: path.into(), source })
 }

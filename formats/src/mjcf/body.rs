@@ -13,8 +13,9 @@ use crate::model_file::{
     Effect, FileBody, FileGeom, FileInertial, FileJoint, FileJointKind, FileShape, FileSite, LeftOut,
     ModelFault, ModelFileError, Weight,
 };
+use crate::place::Place;
 use crate::vocabulary;
-use crate::xml::{Element, Place};
+use crate::xml::Element;
 use motion::rotation::{Vec3, between};
 use motion::{Range, Transform};
 
@@ -28,6 +29,7 @@ impl Tree {
             pose: Transform::identity(),
             joints: Vec::new(),
             inertial: None,
+            geoms_first: false,
             geoms: Vec::new(),
             sites: Vec::new(),
             place,
@@ -56,6 +58,7 @@ impl Tree {
             pose,
             joints: Vec::new(),
             inertial: None,
+            geoms_first: self.compiler.from_geoms == FromGeoms::Always,
             geoms: Vec::new(),
             sites: Vec::new(),
             place: element.place.clone(),
@@ -122,17 +125,7 @@ impl Tree {
                         let fault = ModelFault::Twice { element, parent };
                         return Err(ModelFileError::Model { fault, place: child.place.clone() });
                     }
-                    if self.compiler.from_geoms == FromGeoms::Always {
-                        self.left_out.push(LeftOut {
-                            what: format!("inertial of {}", element.title()),
-                            reason: "the file asks for inertia from geoms",
-                            effect: Effect::Look,
-                            missing: None,
-                            place: child.place.clone(),
-                        });
-                    } else {
-                        self.bodies[at].inertial = Some(inertial);
-                    }
+                    self.bodies[at].inertial = Some(inertial);
                 }
                 "geom" => {
                     let mut unread = Vec::new(); // scenery is listed whole
@@ -300,6 +293,7 @@ impl Tree {
             weight: mass.map_or(Weight::Density(density), Weight::Mass),
             counts: self.compiler.from_geoms != FromGeoms::Never && (lo..=hi).contains(&group),
             collides: bits("contype")? | bits("conaffinity")?,
+            friction: r.numbers("friction")?.and_then(|f| f.first().copied()).unwrap_or(1.0),
             place: r.place.clone(),
         })
     }

@@ -4,8 +4,12 @@
 //! its parents included. A class takes over what its parent has once all direct settings of the parent
 //! are read, wherever they stand in it.
 
+use std::collections::HashMap;
+
 use crate::model_file::{ModelFault, ModelFileError};
-use crate::xml::{Attribute, Element, Place};
+use crate::place::Place;
+use crate::vocabulary;
+use crate::xml::{Attribute, Element};
 
 /// Attributes that give an orientation; the last one written counts.
 pub const ORIENTATIONS: [&str; 5] = ["quat", "axisangle", "xyaxes", "zaxis", "euler"];
@@ -21,12 +25,17 @@ pub struct Class {
 
 /// All classes of a file; the first is the one without a name.
 #[derive(Debug)]
-pub struct Classes(Vec<Class>);
+pub struct Classes {
+    all: Vec<Class>,
+    /// Where each name is.
+    by_name: HashMap<String, usize>,
+}
 
 impl Classes {
     /// The class `main`, still empty.
     pub fn new() -> Self {
-        Self(vec![Class { name: "main".into(), ..Default::default() }])
+        let main = Class { name: "main".into(), ..Default::default() };
+        Self { all: vec![main], by_name: HashMap::from([("main".into(), 0)]) }
     }
 
     /// Adds a top-level `<default>` section; `check` is called for every setting with its class's name.
@@ -49,8 +58,8 @@ impl Classes {
         check: &mut impl FnMut(&Element, &str) -> Result<(), ModelFileError>,
     ) -> Result<(), ModelFileError> {
         for setting in section.children.iter().filter(|c| c.name != "default") {
-            check(setting, &self.0[at].name)?;
-            let class = &mut self.0[at];
+            check(setting, &self.all[at].name)?;
+            let class = &mut self.all[at];
             match setting.name.as_str() {
                 "geom" => overlay(&mut class.geom, &setting.attributes),
                 "joint" => overlay(&mut class.joint, &setting.attributes),
@@ -59,6 +68,7 @@ impl Classes {
             }
         }
         for nested in section.children_named("default") {
+            vocabulary::text(nested, &mut Vec::new())?;
             if let Some(other) = nested.attributes.iter().find(|a| a.name != "class") {
                 let (attribute, element) = (other.name.clone(), "default".to_owned());
                 let fault_ = ModelFault::UnknownAttribute { attribute, element, allowed: vec!["class"] };
@@ -68,22 +78,23 @@ impl Classes {
                 let needed = "`class`, as it stands inside another <default>";
                 return Err(fault(ModelFault::Missing { element: "default".into(), needed }, &nested.place));
             };
-            if self.0.iter().any(|c| c.name == class.value) {
+            if self.by_name.contains_key(&class.value) {
                 let problem = "is defined twice";
                 return Err(fault(ModelFault::Class { class: class.value.clone(), problem }, &class.place));
             }
-            let mut child = self.0[at].clone();
+            let mut child = self.all[at].clone();
             child.name.clone_from(&class.value);
-            self.0.push(child);
-            self.fill(self.0.len() - 1, nested, check)?;
+            self.by_name.insert(class.value.clone(), self.all.len());
+            self.all.push(child);
+            self.fill(self.all.len() - 1, nested, check)?;
         }
         Ok(())
     }
 
     /// Index of the class an attribute names.
     pub fn find(&self, class: &Attribute) -> Result<usize, ModelFileError> {
-        self.0.iter().position(|c| c.name == class.value).ok_or_else(|| {
-            let known = self.0.iter().map(|c| c.name.clone()).collect();
+        self.by_name.get(&class.value).copied().ok_or_else(|| {
+            let known = self.all.iter().map(|c| c.name.clone()).collect();
             fault(ModelFault::UnknownClass { class: class.value.clone(), known }, &class.place)
         })
     }
@@ -97,9 +108,9 @@ impl Classes {
             None => inherited,
         };
         let mut all = match element.name.as_str() {
-            "geom" => self.0[class].geom.clone(),
-            "joint" => self.0[class].joint.clone(),
-            "site" => self.0[class].site.clone(),
+            "geom" => self.all[class].geom.clone(),
+            "joint" => self.all[class].joint.clone(),
+            "site" => self.all[class].site.clone(),
             _ => Vec::new(),
         };
         overlay(&mut all, &element.attributes);

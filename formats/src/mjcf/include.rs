@@ -1,24 +1,27 @@
 //! `<include file="…"/>`: replaced by the children of the named file's root.
 //!
-//! In: the path of the main file. Out: one tree, every element with the place in its own file. A name is
+//! In: the main file. Out: one tree, every element with the place in its own file. A name is
 //! looked for beside the main file, then beside the file it stands in; a file can be included once, and
 //! not in a circle.
 
+use std::collections::HashSet;
 use std::path::{Path, PathBuf};
 
+use crate::limits::{ELEMENTS, INCLUDES};
 use crate::model_file::{ModelFault, ModelFileError};
+use crate::vocabulary;
 use crate::xml::{self, Element, MAX_DEPTH};
 
 /// The main file with all includes expanded.
-pub fn read(path: &Path) -> Result<Element, ModelFileError> {
-    let mut root = xml::read(path)?;
-    if root.name != "mujoco" {
-        let fault = ModelFault::Root { found: root.name, expected: "mujoco" };
-        return Err(ModelFileError::Model { fault, place: root.place });
-    }
-    let mut seen = vec![identity(path)];
-    let mut stack = vec![path.to_path_buf()];
-    expand(&mut root, 0, &mut stack, &mut seen)?;
+pub fn read(path: &Path, mut root: Element) -> Result<Element, ModelFileError> {
+    let id = identity(path);
+    let mut files = Files {
+        main: path.to_path_buf(),
+        stack: vec![(path.to_path_buf(), id.clone())],
+        seen: HashSet::from([id]),
+        elements: 0,
+    };
+    root.children = files.expanded(std::mem::take(&mut root.children), 0)?;
     Ok(root)
 }
 
@@ -32,51 +35,84 @@ fn identity(path: &Path) -> PathBuf {
     path.canonicalize().unwrap_or_else(|_| path.to_path_buf())
 }
 
-fn expand(
-    element: &mut Element,
-    depth: usize,
-    stack: &mut Vec<PathBuf>,
-    seen: &mut Vec<PathBuf>,
-) -> Result<(), ModelFileError> {
-    if depth > MAX_DEPTH {
-        let fault = ModelFault::TooDeep { limit: MAX_DEPTH };
-        return Err(ModelFileError::Model { fault, place: element.place.clone() });
+/// Files while they are included.
+struct Files {
+    main: PathBuf,
+    /// Files that are open, as named and as they are, the main file first.
+    stack: Vec<(PathBuf, PathBuf)>,
+    seen: HashSet<PathBuf>,
+    /// Elements so far.
+    elements: usize,
+}
+
+impl Files {
+    fn expanded(&mut self, children: Vec<Element>, depth: usize) -> Result<Vec<Element>, ModelFileError> {
+        let mut out = Vec::with_capacity(children.len());
+        self.expand(children, depth, &mut out)?;
+        Ok(out)
     }
-    let mut children = Vec::with_capacity(element.children.len());
-    for mut child in std::mem::take(&mut element.children) {
-        if child.name != "include" {
-            expand(&mut child, depth + 1, stack, seen)?;
-            children.push(child);
-            continue;
+
+    /// Appends elements, those of included files in the place of their `<include>`.
+    fn expand(
+        &mut self,
+        children: Vec<Element>,
+        depth: usize,
+        out: &mut Vec<Element>,
+    ) -> Result<(), ModelFileError> {
+        for mut child in children {
+            let at = |fault| Err(ModelFileError::Model { fault, place: child.place.clone() });
+            if depth > MAX_DEPTH {
+                return at(ModelFault::TooDeep { limit: MAX_DEPTH });
+            }
+            self.elements += 1;
+            if self.elements > ELEMENTS {
+                return at(ModelFault::TooMany {
+                    what: "elements in the file and all it includes",
+                    limit: ELEMENTS,
+                });
+            }
+            if child.name == "include" {
+                let root = self.included(&child)?;
+                self.expand(root.children, depth, out)?;
+                self.stack.pop();
+            } else {
+                child.children = self.expanded(std::mem::take(&mut child.children), depth + 1)?;
+                out.push(child);
+            }
         }
-        let fault = |fault| ModelFileError::Model { fault, place: child.place.clone() };
-        if let Some(other) = child.attributes.iter().find(|a| a.name != "file") {
+        Ok(())
+    }
+
+    /// The root of the file that an `<include>` names, which is now the last of the stack.
+    fn included(&mut self, include: &Element) -> Result<Element, ModelFileError> {
+        let fault = |fault| ModelFileError::Model { fault, place: include.place.clone() };
+        if let Some(other) = include.attributes.iter().find(|a| a.name != "file") {
             let (attribute, element) = (other.name.clone(), "include".to_owned());
             let fault = ModelFault::UnknownAttribute { attribute, element, allowed: vec!["file"] };
             return Err(ModelFileError::Model { fault, place: other.place.clone() });
         }
-        let Some(name) = child.value("file") else {
+        let Some(name) = include.value("file") else {
             return Err(fault(ModelFault::Missing { element: "include".into(), needed: "`file`" }));
         };
-        let Some(path) = find(&stack[0], &child.place.file, Path::new(name)) else {
-            let path = stack[0].parent().unwrap_or(Path::new("")).join(name);
+        let Some(path) = find(&self.main, &include.place.file, Path::new(name)) else {
+            let path = self.main.parent().unwrap_or(Path::new("")).join(name);
             return Err(fault(ModelFault::IncludeMissing { path }));
         };
         let id = identity(&path);
-        if let Some(at) = stack.iter().position(|p| identity(p) == id) {
-            let chain = stack[at..].iter().chain([&path]).map(|p| p.display().to_string()).collect();
+        if !self.seen.insert(id.clone()) {
+            let Some(at) = self.stack.iter().position(|(_, open)| *open == id) else {
+                return Err(fault(ModelFault::IncludeTwice { path }));
+            };
+            let chain = self.stack[at..].iter().map(|(named, _)| named).chain([&path]);
+            let chain = chain.map(|p| p.display().to_string()).collect();
             return Err(fault(ModelFault::IncludeLoop { chain }));
         }
-        if seen.contains(&id) {
-            return Err(fault(ModelFault::IncludeTwice { path }));
+        if self.seen.len() > INCLUDES {
+            return Err(fault(ModelFault::TooMany { what: "included files", limit: INCLUDES }));
         }
-        seen.push(id);
-        let mut root = xml::read(&path)?;
-        stack.push(path);
-        expand(&mut root, depth, stack, seen)?;
-        stack.pop();
-        children.append(&mut root.children);
+        let root = xml::read(&path)?;
+        vocabulary::text(&root, &mut Vec::new())?;
+        self.stack.push((path, id));
+        Ok(root)
     }
-    element.children = children;
-    Ok(())
 }

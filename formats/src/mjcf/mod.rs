@@ -48,14 +48,27 @@ use std::path::Path;
 
 pub use write::{Mjcf, MjcfError, MjcfOptions, write};
 
-use super::model_file::{ModelFile, ModelFileError};
+use super::model_file::{ModelFault, ModelFile, ModelFileError};
+use super::xml::Element;
 
 /// Reads an MJCF file and all it includes.
 ///
 /// # Errors
 /// See [`ModelFault`](super::model_file::ModelFault); every message ends in file, line and column.
 pub fn read_file(path: &Path) -> Result<ModelFile, ModelFileError> {
-    let root = include::read(path)?;
+    read(path, super::xml::read(path)?)
+}
+
+/// The model of an MJCF whose root element was read from `path`.
+///
+/// # Errors
+/// See [`read_file`].
+pub(crate) fn read(path: &Path, root: Element) -> Result<ModelFile, ModelFileError> {
+    if root.name != "mujoco" {
+        let fault = ModelFault::Root { found: root.name, expected: "mujoco" };
+        return Err(ModelFileError::Model { fault, place: root.place });
+    }
+    let root = include::read(path, root)?;
     let stem = path.file_stem().map_or_else(|| "model".into(), |s| s.to_string_lossy().into_owned());
     tree::read(&root, &stem)
 }

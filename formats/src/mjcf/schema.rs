@@ -219,6 +219,17 @@ pub const GEOM: &[Word] = &[
     ("solref", CONTACT),
     ("surfacevel", CONTACT),
 ];
+/// Of the key frame `rest`.
+pub const KEY: &[Word] = &[
+    ("name", Read),
+    ("qpos", Read),
+    ("time", Look("state to start from")),
+    ("qvel", Look("state to start from")),
+    ("act", Look("state to start from")),
+    ("ctrl", Look("state to start from")),
+    ("mpos", Look("state to start from")),
+    ("mquat", Look("state to start from")),
+];
 pub const SITE: &[Word] = &[
     ("name", Read),
     ("class", Read),
@@ -241,7 +252,7 @@ pub const SITE: &[Word] = &[
 const LISTED_LOOK: Fate = Listed(Effect::Look, "look");
 const LISTED_SETTINGS: Fate = Listed(Effect::Look, "settings of MuJoCo");
 const LISTED_ACTUATOR: Fate = Listed(Effect::Physics, "actuator");
-const LISTED_SENSOR: Fate = Listed(Effect::Physics, "sensor");
+const LISTED_SENSORS: Fate = Listed(Effect::Look, "sensors: they measure and exert no force");
 const LISTED_EQUALITY: Fate = Listed(Effect::Physics, "equality constraint");
 const LISTED_TENDON: Fate = Listed(Effect::Physics, "tendon");
 const LISTED_CONTACT: Fate = Listed(Effect::Physics, "contact rule");
@@ -260,13 +271,13 @@ pub const SECTIONS: &[Part] = &[
     ("worldbody", Taken),
     ("size", LISTED_SETTINGS),
     ("statistic", LISTED_SETTINGS),
-    ("visual", Taken),
-    ("custom", Taken),
+    ("visual", LISTED_LOOK),
+    ("custom", LISTED_SETTINGS),
     ("contact", Taken),
     ("tendon", Taken),
     ("equality", Taken),
     ("actuator", Taken),
-    ("sensor", Taken),
+    ("sensor", LISTED_SENSORS),
     ("keyframe", Taken),
     ("deformable", Taken),
     ("extension", Taken),
@@ -275,14 +286,11 @@ pub const SECTIONS: &[Part] = &[
 /// Children of a section of which nothing is read.
 pub fn section_parts(section: &str) -> &'static [Part] {
     match section {
-        "visual" => VISUAL,
-        "custom" => CUSTOM,
         "contact" => CONTACTS,
         "tendon" => TENDONS,
         "equality" => EQUALITIES,
         "actuator" => ACTUATORS,
-        "sensor" => SENSORS,
-        "keyframe" => &[("key", Listed(Effect::Physics, "key frame"))],
+        "keyframe" => &[("key", Taken)],
         "deformable" => &[("flex", SOFT), ("skin", LISTED_LOOK)],
         "extension" => &[("plugin", PLUGIN)],
         "asset" => ASSETS,
@@ -290,16 +298,6 @@ pub fn section_parts(section: &str) -> &'static [Part] {
     }
 }
 
-const VISUAL: &[Part] = &[
-    ("global", LISTED_LOOK),
-    ("quality", LISTED_LOOK),
-    ("headlight", LISTED_LOOK),
-    ("map", LISTED_LOOK),
-    ("scale", LISTED_LOOK),
-    ("rgba", LISTED_LOOK),
-];
-const CUSTOM: &[Part] =
-    &[("numeric", LISTED_SETTINGS), ("text", LISTED_SETTINGS), ("tuple", LISTED_SETTINGS)];
 const ASSETS: &[Part] = &[
     ("mesh", Taken),
     ("hfield", Listed(Effect::Look, "scenery")),
@@ -333,57 +331,6 @@ const ACTUATORS: &[Part] = &[
     ("muscle", LISTED_ACTUATOR),
     ("adhesion", LISTED_ACTUATOR),
     ("dcmotor", LISTED_ACTUATOR),
-    ("plugin", PLUGIN),
-];
-const SENSORS: &[Part] = &[
-    ("touch", LISTED_SENSOR),
-    ("accelerometer", LISTED_SENSOR),
-    ("velocimeter", LISTED_SENSOR),
-    ("gyro", LISTED_SENSOR),
-    ("force", LISTED_SENSOR),
-    ("torque", LISTED_SENSOR),
-    ("magnetometer", LISTED_SENSOR),
-    ("camprojection", LISTED_SENSOR),
-    ("rangefinder", LISTED_SENSOR),
-    ("jointpos", LISTED_SENSOR),
-    ("jointvel", LISTED_SENSOR),
-    ("tendonpos", LISTED_SENSOR),
-    ("tendonvel", LISTED_SENSOR),
-    ("actuatorpos", LISTED_SENSOR),
-    ("actuatorvel", LISTED_SENSOR),
-    ("actuatorfrc", LISTED_SENSOR),
-    ("jointactuatorfrc", LISTED_SENSOR),
-    ("tendonactuatorfrc", LISTED_SENSOR),
-    ("ballquat", LISTED_SENSOR),
-    ("ballangvel", LISTED_SENSOR),
-    ("jointlimitpos", LISTED_SENSOR),
-    ("jointlimitvel", LISTED_SENSOR),
-    ("jointlimitfrc", LISTED_SENSOR),
-    ("tendonlimitpos", LISTED_SENSOR),
-    ("tendonlimitvel", LISTED_SENSOR),
-    ("tendonlimitfrc", LISTED_SENSOR),
-    ("framepos", LISTED_SENSOR),
-    ("framequat", LISTED_SENSOR),
-    ("framexaxis", LISTED_SENSOR),
-    ("frameyaxis", LISTED_SENSOR),
-    ("framezaxis", LISTED_SENSOR),
-    ("framelinvel", LISTED_SENSOR),
-    ("frameangvel", LISTED_SENSOR),
-    ("framelinacc", LISTED_SENSOR),
-    ("frameangacc", LISTED_SENSOR),
-    ("subtreecom", LISTED_SENSOR),
-    ("subtreelinvel", LISTED_SENSOR),
-    ("subtreeangmom", LISTED_SENSOR),
-    ("insidesite", LISTED_SENSOR),
-    ("distance", LISTED_SENSOR),
-    ("normal", LISTED_SENSOR),
-    ("fromto", LISTED_SENSOR),
-    ("contact", LISTED_SENSOR),
-    ("e_potential", LISTED_SENSOR),
-    ("e_kinetic", LISTED_SENSOR),
-    ("clock", LISTED_SENSOR),
-    ("tactile", LISTED_SENSOR),
-    ("user", LISTED_SENSOR),
     ("plugin", PLUGIN),
 ];
 

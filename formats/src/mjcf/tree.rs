@@ -12,8 +12,9 @@ use super::orientation::Angles;
 use super::schema;
 use crate::attributes::Reader;
 use crate::model_file::{Effect, FileBody, Format, LeftOut, ModelFault, ModelFile, ModelFileError};
+use crate::place::Place;
 use crate::vocabulary::{self, Fate, Part, Word};
-use crate::xml::{Element, Place};
+use crate::xml::Element;
 use motion::rotation::Vec3;
 
 /// Where inertia comes from.
@@ -41,6 +42,7 @@ pub struct Tree {
     pub compiler: Compiler,
     pub classes: Classes,
     pub bodies: Vec<FileBody>,
+    pub rest: Option<(Vec<f64>, Place)>,
     pub left_out: Vec<LeftOut>,
 }
 
@@ -48,6 +50,7 @@ pub struct Tree {
 pub fn read(root: &Element, stem: &str) -> Result<ModelFile, ModelFileError> {
     let mut left_out = Vec::new();
     vocabulary::attributes(root, schema::MUJOCO, "mujoco", &mut left_out)?;
+    vocabulary::text(root, &mut left_out)?;
     for section in &root.children {
         vocabulary::judge(section, "mujoco", schema::SECTIONS, &mut left_out)?;
     }
@@ -66,10 +69,12 @@ pub fn read(root: &Element, stem: &str) -> Result<ModelFile, ModelFileError> {
             Ok(())
         })?;
     }
-    let mut tree = Tree { main: root.place.file.clone(), compiler, classes, bodies: Vec::new(), left_out };
+    let (main, bodies) = (root.place.file.clone(), Vec::new());
+    let mut tree = Tree { main, compiler, classes, bodies, rest: None, left_out };
     for section in &root.children {
         match section.name.as_str() {
-            "compiler" | "option" | "default" | "worldbody" | "size" | "statistic" => {}
+            "compiler" | "option" | "default" | "worldbody" | "size" | "statistic" | "visual" | "custom"
+            | "sensor" => {}
             name => tree.section(section, schema::section_parts(name))?,
         }
     }
@@ -80,6 +85,7 @@ pub fn read(root: &Element, stem: &str) -> Result<ModelFile, ModelFileError> {
         name: root.value("model").map_or_else(|| stem.to_owned(), str::to_owned),
         gravity,
         total_mass: tree.compiler.total_mass,
+        rest: tree.rest,
         bodies: tree.bodies,
         left_out: tree.left_out,
     })
@@ -182,15 +188,32 @@ fn gravity(root: &Element, left_out: &mut Vec<LeftOut>) -> Result<Vec3, ModelFil
 }
 
 impl Tree {
-    /// A section nothing but meshes is read of: its items are listed.
+    /// A key frame: that called `rest` is the rest pose, others are listed.
+    fn key(&mut self, key: &Element) -> Result<(), ModelFileError> {
+        if key.value("name") == Some("rest") {
+            vocabulary::attributes(key, schema::KEY, &key.title(), &mut self.left_out)?;
+            let q = Reader::new(key).numbers("qpos")?;
+            self.rest = q.map(|q| (q, key.attribute("qpos").map_or(&key.place, |a| &a.place).clone()));
+            return Ok(());
+        }
+        self.left_out.push(LeftOut {
+            what: key.title(),
+            reason: "state to start from",
+            effect: Effect::Look,
+            missing: None,
+            place: key.place.clone(),
+        });
+        Ok(())
+    }
+
+    /// A section nothing but meshes and a key frame is read of: its items are listed.
     fn section(&mut self, section: &Element, parts: &'static [Part]) -> Result<(), ModelFileError> {
         for child in &section.children {
             if vocabulary::judge(child, &section.name, parts, &mut self.left_out)? {
-                self.mesh(child);
-            } else if let ("visual" | "custom", Some(item)) =
-                (section.name.as_str(), self.left_out.last_mut())
-            {
-                item.what = format!("{}: {}", section.name, child.title());
+                match child.name.as_str() {
+                    "key" => self.key(child)?,
+                    _ => self.mesh(child),
+                }
             }
         }
         Ok(())

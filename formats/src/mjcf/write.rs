@@ -8,6 +8,9 @@
 //! - Inertias are explicit; geoms carry no mass. Fixed links stay bodies of their own (MuJoCo welds them).
 //! - Several joints between two bodies (a chain of links without mass) become joints of one body, each at
 //!   its own position. Only hinges and slides can be chained so.
+//! - The pose that is asked for is the file's own: the root stands there and hinges and slides have it as their `ref`. Joint
+//!   values stay what they are. MJCF has no `ref` of a ball: the pose with that of the balls is the key frame `rest`, and where the root
+//!   is free, it stands so high without it that nothing is inside the ground.
 //! - Limits of hinges and slides are `range`s. Those of balls are swing and twist; MJCF knows one angle for a
 //!   ball, so they are left out.
 //! - Antagonists of hinges and slides are native: per axis two `general` actuators whose force is
@@ -20,9 +23,13 @@
 
 use std::fmt::Write;
 
-use motion::{Floor, Joint, Limits, Shape, Transform, Vec3};
+use motion::rotation::exp;
+use motion::skeleton::{quat_at, vec_at};
+use motion::{Floor, Joint, Limits, Quat, Shape, Site, Transform, Vec3};
 use nalgebra::{Matrix3, Unit};
 
+use crate::mujoco_layout::{JointThere, Layout};
+use crate::xml::MAX_DEPTH;
 use bodies::{Body, Character};
 
 /// What an MJCF file holds besides the body.
@@ -36,6 +43,10 @@ pub struct MjcfOptions {
     pub ground: Option<Floor>,
     /// Set points (θ_L, θ_H) of hinges (rad) and slides (m), per link; links without get no actuators.
     pub antagonists: Vec<(usize, [f64; 2])>,
+    /// Pose in which the file has the body (`nq`); the zero pose if `None`.
+    pub pose: Option<Vec<f64>>,
+    /// Names of joints that differ from those of their links.
+    pub joint_names: Vec<(usize, String)>,
 }
 
 /// An MJCF file.
@@ -63,6 +74,9 @@ pub enum MjcfError {
         /// Links hung on it.
         children: usize,
     },
+    /// A tree that readers of XML do not follow.
+    #[error("`{0}` hangs on more than {MAX_DEPTH} bodies; deeper files are not read")]
+    Deep(String),
     /// A free joint that is not the root's.
     #[error("`{0}` has a free joint below the root; MJCF allows free joints at the top only")]
     Free(String),
@@ -81,7 +95,26 @@ pub enum MjcfError {
 /// assert!(file.text.contains("<freejoint name=\"pelvis\"/>"));
 /// ```
 pub fn write(character: &Character, options: &MjcfOptions) -> Result<Mjcf, MjcfError> {
-    let mut writer = Writer { character, options, text: String::new(), joints: Vec::new() };
+    let skeleton = &character.skeleton;
+    let links = skeleton.links();
+    let mut children = vec![Vec::new(); links.len()];
+    let mut sites = vec![Vec::new(); links.len()];
+    for (i, link) in links.iter().enumerate() {
+        if let Some(parent) = link.parent {
+            children[parent].push(i);
+        }
+    }
+    for site in skeleton.sites() {
+        sites[site.link].push(site);
+    }
+    let motions = (0..links.len()).map(|i| motion(character, options.pose.as_deref(), i)).collect();
+    let lift = lift(character, options);
+    let mut names: Vec<&str> = links.iter().map(|l| l.name.as_str()).collect();
+    for (link, name) in &options.joint_names {
+        names[*link] = name;
+    }
+    let (text, joints) = (String::new(), Vec::new());
+    let mut writer = Writer { character, options, children, sites, motions, lift, names, text, joints };
     writer.document()?;
     Ok(Mjcf { text: writer.text, joints: writer.joints })
 }
@@ -89,13 +122,48 @@ pub fn write(character: &Character, options: &MjcfOptions) -> Result<Mjcf, MjcfE
 /// Links of one MJCF body: those without mass that chain its joints, then the one that carries it.
 struct Chain {
     links: Vec<usize>,
-    /// Zero frame of each link's joint in the zero frame of the last.
+    /// Frame of each link in the frame of the last, in the file's pose.
     last_from: Vec<Transform>,
+}
+
+/// Motion of a joint in the file's pose; of a ball there is none.
+fn motion(character: &Character, pose: Option<&[f64]>, link: usize) -> Transform {
+    let (Some(q), skeleton) = (pose, &character.skeleton) else { return Transform::identity() };
+    let at = skeleton.q_at(link);
+    match skeleton.links()[link].joint {
+        Joint::Free => Transform::from_parts(vec_at(q, at).into(), quat_at(q, at + 3)),
+        Joint::Revolute(axis) => Transform::from_parts(Vec3::zeros().into(), exp(&(axis * q[at]))),
+        Joint::Prismatic(axis) => Transform::from_parts((axis * q[at]).into(), Quat::identity()),
+        Joint::Spherical | Joint::Fixed => Transform::identity(),
+    }
+}
+
+/// How far the body is lifted so that nothing of it is inside the ground while its balls are in their zero pose.
+fn lift(character: &Character, options: &MjcfOptions) -> Vec3 {
+    let (Some(pose), Some(ground)) = (&options.pose, &options.ground) else { return Vec3::zeros() };
+    let mut q = pose.clone();
+    for (i, link) in character.skeleton.links().iter().enumerate() {
+        if link.joint == Joint::Spherical {
+            character.skeleton.set_rotation(&mut q, i, &Quat::identity());
+        }
+    }
+    let depth = character.extent(&q, &ground.up).map_or(0.0, |[low, _]| ground.pivot().dot(&ground.up) - low);
+    if depth > 1e-9 && q != *pose { ground.up * depth } else { Vec3::zeros() }
 }
 
 struct Writer<'a> {
     character: &'a Character,
     options: &'a MjcfOptions,
+    /// Links on each link.
+    children: Vec<Vec<usize>>,
+    /// Sites of each link.
+    sites: Vec<Vec<&'a Site>>,
+    /// Motion of each link's joint in the file's pose.
+    motions: Vec<Transform>,
+    /// Added to the position of a free root.
+    lift: Vec3,
+    /// Name of each link's joint.
+    names: Vec<&'a str>,
     text: String,
     joints: Vec<usize>,
 }
@@ -148,6 +216,7 @@ impl Writer<'_> {
         }
         self.line(1, "</worldbody>");
         self.actuators();
+        self.key();
         self.line(0, "</mujoco>");
         Ok(())
     }
@@ -198,16 +267,15 @@ impl Writer<'_> {
             if !matches!(links[at].joint, Joint::Revolute(_) | Joint::Prismatic(_)) {
                 return Err(MjcfError::Chain(name()));
             }
-            let mut children = (at + 1..links.len()).filter(|&i| links[i].parent == Some(at));
-            match (children.next(), children.count()) {
-                (Some(child), 0) => chain.push(child),
-                (None, _) => return Err(MjcfError::Branch { link: name(), children: 0 }),
-                (Some(_), more) => return Err(MjcfError::Branch { link: name(), children: more + 1 }),
+            match self.children[at][..] {
+                [child] => chain.push(child),
+                ref all => return Err(MjcfError::Branch { link: name(), children: all.len() }),
             }
         }
         let mut last_from = vec![Transform::identity(); chain.len()];
         for k in (0..chain.len() - 1).rev() {
-            last_from[k] = last_from[k + 1] * links[chain[k + 1]].parent_from_zero.inverse();
+            let next = chain[k + 1];
+            last_from[k] = last_from[k + 1] * (links[next].parent_from_zero * self.motions[next]).inverse();
         }
         Ok(Chain { links: chain, last_from })
     }
@@ -217,8 +285,15 @@ impl Writer<'_> {
         let links = character.skeleton.links();
         let chain = self.chain(first)?;
         let last = chain.links[chain.links.len() - 1];
-        // a body of the file sits where its last link is in the zero pose
-        let place = base * links[first].parent_from_zero * chain.last_from[0].inverse();
+        if depth + 1 > MAX_DEPTH {
+            return Err(MjcfError::Deep(links[last].name.clone()));
+        }
+        // a body of the file sits where its last link is in the file's pose
+        let mut place =
+            base * links[first].parent_from_zero * self.motions[first] * chain.last_from[0].inverse();
+        if links[first].joint == Joint::Free {
+            place.translation.vector += self.lift;
+        }
         // a welded root without mass is the world body, which MJCF cannot place or turn: its children are placed and turned instead
         let world = first == 0 && links[0].joint == Joint::Fixed && character.bodies[0] == nothing();
         let inner = if world {
@@ -233,17 +308,15 @@ impl Writer<'_> {
             for (k, shape) in character.bodies[last].shapes.iter().enumerate() {
                 self.geom(&format!("{name}_{k}"), shape, depth + 1);
             }
-            for site in character.skeleton.sites().iter().filter(|s| s.link == last) {
+            for site in std::mem::take(&mut self.sites[last]) {
                 let (name, at) = (escape(&site.name), numbers(site.at.as_slice()));
                 self.line(depth + 1, &format!("<site name=\"{name}\" pos=\"{at}\" size=\"0.005\"/>"));
             }
             depth + 1
         };
-        for i in last + 1..links.len() {
-            if links[i].parent == Some(last) {
-                let base = if world { place } else { Transform::identity() };
-                self.body(i, inner, &base, world)?;
-            }
+        for i in std::mem::take(&mut self.children[last]) {
+            let base = if world { place } else { Transform::identity() };
+            self.body(i, inner, &base, world)?;
         }
         if inner > depth {
             self.line(depth, "</body>");
@@ -259,23 +332,29 @@ impl Writer<'_> {
         top: bool,
     ) -> Result<(), MjcfError> {
         let l = &self.character.skeleton.links()[link];
-        let name = escape(&l.name);
+        let name = escape(self.names[link]);
         let at = numbers(last_from.translation.vector.as_slice());
         let axis = |a: &Vec3| numbers((last_from.rotation * a).as_slice());
         let range = match &l.limits {
             Some(Limits::Axis(r)) => format!(" range=\"{}\"", numbers(&[r.lo, r.hi])),
             _ => String::new(),
         };
+        let value = self.options.pose.as_ref().map_or(0.0, |q| match l.joint {
+            Joint::Revolute(_) | Joint::Prismatic(_) => q[self.character.skeleton.q_at(link)],
+            _ => 0.0,
+        });
+        let reference = if value == 0.0 { String::new() } else { format!(" ref=\"{}\"", number(value)) };
+        let rest = format!("{range}{reference}");
         let text = match &l.joint {
             Joint::Fixed => return Ok(()),
             Joint::Free if !top => return Err(MjcfError::Free(l.name.clone())),
             Joint::Free => format!("<freejoint name=\"{name}\"/>"),
             Joint::Spherical => format!("<joint name=\"{name}\" type=\"ball\"/>"),
             Joint::Revolute(a) => {
-                format!("<joint name=\"{name}\" type=\"hinge\" pos=\"{at}\" axis=\"{}\"{range}/>", axis(a))
+                format!("<joint name=\"{name}\" type=\"hinge\" pos=\"{at}\" axis=\"{}\"{rest}/>", axis(a))
             }
             Joint::Prismatic(a) => {
-                format!("<joint name=\"{name}\" type=\"slide\" pos=\"{at}\" axis=\"{}\"{range}/>", axis(a))
+                format!("<joint name=\"{name}\" type=\"slide\" pos=\"{at}\" axis=\"{}\"{rest}/>", axis(a))
             }
         };
         self.joints.push(link);
@@ -316,13 +395,35 @@ impl Writer<'_> {
         self.line(depth, &format!("<geom name=\"{name}\" {text}/>"));
     }
 
+    /// The pose as the key frame `rest`.
+    fn key(&mut self) {
+        let (Some(pose), skeleton) = (&self.options.pose, &self.character.skeleton) else { return };
+        let (mut nq, mut nv, mut places) = (0, 0, Vec::new());
+        for &link in &self.joints {
+            places.push(JointThere { link, q: nq, v: nv });
+            let kind = &skeleton.links()[link].joint;
+            (nq, nv) = (nq + kind.nq(), nv + kind.nv());
+        }
+        let mut there = vec![0.0; nq];
+        Layout::new(skeleton, &places, nq, nv).pose(pose, &mut there);
+        if let Some(ground) = self.options.ground.filter(|g| g.turns) {
+            let r = ground.turn();
+            there.extend([r.w, r.i, r.j, r.k]);
+        }
+        if !there.is_empty() {
+            self.line(1, "<keyframe>");
+            self.line(2, &format!("<key name=\"rest\" qpos=\"{}\"/>", numbers(&there)));
+            self.line(1, "</keyframe>");
+        }
+    }
+
     fn actuators(&mut self) {
         if self.options.antagonists.is_empty() {
             return;
         }
         self.line(1, "<actuator>");
         for (link, [lo, hi]) in self.options.antagonists.clone() {
-            let joint = escape(&self.character.skeleton.links()[link].name);
+            let joint = escape(self.names[link]);
             // force = ctrl × (gainprm · (1, length, velocity)), no bias
             let gains = [
                 ("lo", numbers(&[lo, -1.0, 0.0])),

@@ -6,9 +6,14 @@
 use std::collections::HashSet;
 use std::sync::Arc;
 
-use crate::model_file::{Effect, FileGeom, FileJoint, FileJointKind, FileShape, Format, LeftOut, ModelFile};
+use crate::limits::BODIES;
+use crate::model_file::{
+    Effect, FileGeom, FileJoint, FileJointKind, FileShape, Format, LeftOut, ModelFault, ModelFile,
+    ModelFileError,
+};
+use crate::place::Place;
 use motion::rotation::{between, exp};
-use motion::{Joint, Limits, Link, Quat, Shape, Site, Skeleton, Transform, Vec3};
+use motion::{Floor, Joint, Limits, Link, Quat, Shape, Site, Skeleton, Transform, Vec3};
 use nalgebra::{Point3, Translation3};
 
 use super::mass::{MassOf, check_axes, masses, title};
@@ -45,15 +50,24 @@ pub fn build(file: &ModelFile) -> Result<Imported, ImportError> {
     let scenery = file.format == Format::Mjcf;
     let tops: Vec<usize> = (0..file.bodies.len()).filter(|&i| file.bodies[i].parent == Some(0)).collect();
     let place = file.bodies[0].place.clone();
+    let mut moving = 0;
+    for body in &file.bodies {
+        moving += 1 + body.joints.len();
+        if moving > BODIES {
+            let fault = ModelFault::TooMany { what: "bodies and joints", limit: BODIES };
+            return Err(ModelFileError::Model { fault, place: body.place.clone() }.into());
+        }
+    }
     if scenery && tops.is_empty() {
         return Err(ImportError::Empty { place });
     }
     let free_root = scenery
         && tops.len() == 1
         && file.bodies[tops[0]].joints.first().is_some_and(|j| j.kind == FileJointKind::Free);
+    let mut left_out = file.left_out.clone();
     let mut b = Builder {
         file,
-        masses: masses(file, !scenery)?,
+        masses: masses(file, !scenery, &mut left_out)?,
         names: HashSet::new(),
         links: Vec::new(),
         bodies: Vec::new(),
@@ -61,7 +75,7 @@ pub fn build(file: &ModelFile) -> Result<Imported, ImportError> {
         joints: Vec::new(),
         origin: Vec::new(),
         rest: Vec::new(),
-        left_out: file.left_out.clone(),
+        left_out,
         link_of: vec![None; file.bodies.len()],
     };
     // names of the file come first, so that made-up ones give way
@@ -75,6 +89,7 @@ pub fn build(file: &ModelFile) -> Result<Imported, ImportError> {
     b.links[0].parent_from_zero = turn * b.links[0].parent_from_zero;
     let classes =
         (0..b.links.len()).map(|i| if i == 0 { JointClass::Root } else { JointClass::Other }).collect();
+    let (rest, ground) = (b.rest()?, ground(file, &ours_from_file));
     let skeleton = Skeleton::new(b.links)
         .and_then(|s| s.with_sites(b.sites))
         .map_err(|source| ImportError::Skeleton { source, place: place.clone() })?;
@@ -84,14 +99,64 @@ pub fn build(file: &ModelFile) -> Result<Imported, ImportError> {
         bodies: b.bodies,
         classes,
         contacts: Vec::new(),
-        rest: b.rest,
+        rest,
     };
     check_axes(file, &character, &b.joints, &b.origin)?;
     let character = character.check().map_err(|source| ImportError::Character { source, place })?;
-    Ok(Imported { character, joints: b.joints, gravity, ours_from_file, left_out: b.left_out })
+    Ok(Imported {
+        character,
+        joints: b.joints,
+        bodies: b.link_of.iter().map(|at| at.map(|(link, _)| link)).collect(),
+        format: file.format,
+        gravity,
+        ground,
+        ours_from_file,
+        left_out: b.left_out,
+    })
+}
+
+/// The highest level plane of the world on which a body can stand.
+fn ground(file: &ModelFile, ours_from_file: &Quat) -> Option<Floor> {
+    let planes = file.bodies[0].geoms.iter().filter(|g| g.shape == FileShape::Plane && g.collides);
+    let level = planes.filter(|g| (ours_from_file * (g.pose.rotation * Vec3::z()) - Vec3::y()).norm() < 1e-6);
+    let floors = level.map(|g| Floor::level((ours_from_file * g.pose.translation.vector).y, g.friction));
+    floors.max_by(|a, b| a.height_m.total_cmp(&b.height_m))
 }
 
 impl Builder<'_> {
+    /// The rest pose: that of the file's own, or what it says.
+    fn rest(&self) -> Result<Vec<f64>, ImportError> {
+        let Some((given, place)) = &self.file.rest else { return Ok(self.rest.clone()) };
+        let fault = |fault| Err(ModelFileError::Model { fault, place: place.clone() }.into());
+        let attribute = || "`qpos` of key `rest`".to_owned();
+        if given.len() != self.rest.len() {
+            let (found, needed) = (given.len(), format!("{}, those of all joints", self.rest.len()));
+            return fault(ModelFault::NumberCount { attribute: attribute(), found, needed });
+        }
+        let (mut q, mut at) = (given.clone(), 0);
+        for joint in &self.joints {
+            let kind = self.links[joint.link].joint;
+            if let Joint::Free | Joint::Spherical = kind {
+                let turn = at + kind.nq() - 4;
+                let r = nalgebra::Vector4::from_column_slice(&q[turn..turn + 4]);
+                if r.norm() < 1e-10 {
+                    let allowed = "values of which each quaternion has a length";
+                    return fault(ModelFault::OutOfBounds {
+                        attribute: attribute(),
+                        found: "zero".into(),
+                        allowed,
+                    });
+                }
+                // one written to be read back stays what it is, to the bit
+                if (r.norm() - 1.0).abs() > 1e-12 {
+                    q[turn..turn + 4].copy_from_slice(r.normalize().as_slice());
+                }
+            }
+            at += kind.nq();
+        }
+        Ok(q)
+    }
+
     /// The base: scenery is listed, a root link is a link.
     fn base(&mut self, scenery: bool, free_root: bool) {
         let file = self.file;
@@ -234,7 +299,7 @@ impl Builder<'_> {
         }
     }
 
-    fn leave_out_appearance(&mut self, what: &str, reason: &'static str, place: &crate::model_file::Place) {
+    fn leave_out_appearance(&mut self, what: &str, reason: &'static str, place: &Place) {
         self.left_out.push(LeftOut {
             what: what.to_owned(),
             reason,

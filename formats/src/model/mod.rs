@@ -37,9 +37,11 @@ pub mod solid;
 
 use std::path::Path;
 
-use crate::model_file::{Effect, LeftOut, ModelFault, ModelFile, ModelFileError, Place};
+use crate::model_file::{Effect, Format, LeftOut, ModelFault, ModelFile, ModelFileError};
+use crate::place::Place;
 use crate::{mjcf, urdf, xml};
-use motion::{Quat, SkeletonError, Vec3};
+use motion::names::echo;
+use motion::{Floor, Quat, SkeletonError, Vec3};
 use thiserror::Error;
 
 use crate::mujoco_layout::{JointThere, Layout};
@@ -73,19 +75,25 @@ impl Imported {
             let kind = &self.character.skeleton.links()[joint.link].joint;
             (q, v) = (q + kind.nq(), v + kind.nv());
         }
-        Layout::of_import(self, &joints, q, v)
+        Layout::in_file_axes(&self.character.skeleton, &joints, q, v)
     }
 }
 
 /// A model file as a character. See the module header.
 #[derive(Clone, Debug)]
 pub struct Imported {
-    /// The body. Its rest pose is the pose of the file (MuJoCo's `qpos0`).
+    /// The body. Its rest pose is the key frame `rest`, or else the pose of the file (MuJoCo's `qpos0`).
     pub character: Character,
     /// Moving joints in the order of the file's tree, depth first: that of MuJoCo's `qpos`.
     pub joints: Vec<ImportedJoint>,
+    /// Link of every body of the file, in its order, the base first; `None` for a world that is no link.
+    pub bodies: Vec<Option<usize>>,
+    /// Format of the file.
+    pub format: Format,
     /// Gravity in our world, m/s².
     pub gravity: Vec3,
+    /// The highest level plane of the file's world.
+    pub ground: Option<Floor>,
     /// Rotation that takes vectors of the file's world to ours.
     pub ours_from_file: Quat,
     /// What the file has and the character has not.
@@ -99,8 +107,10 @@ pub enum ImportError {
     #[error(transparent)]
     File(#[from] ModelFileError),
     /// The file has things that make forces and are not read.
-    #[error("{}", refusal(items))]
+    #[error("{}", refusal(body, items))]
     Refused {
+        /// The body that would be read: its name, joints and mass.
+        body: String,
         /// All of them.
         items: Vec<LeftOut>,
     },
@@ -182,14 +192,13 @@ pub enum ImportError {
     },
 }
 
-/// The refusal's text: what is not read, item by item.
-fn refusal(items: &[LeftOut]) -> String {
+/// The refusal's text: what was read, what would be lost, how to go on, and the places.
+fn refusal(body: &str, items: &[LeftOut]) -> String {
     const SHOWN: usize = 12;
+    let them = if items.len() == 1 { "it" } else { "them" };
     let mut text = format!(
-        "{} not read and forces may depend on {}; with --dynamics-only {} left out and listed:",
-        if items.len() == 1 { "one thing is".into() } else { format!("{} things are", items.len()) },
-        if items.len() == 1 { "it" } else { "them" },
-        if items.len() == 1 { "it is" } else { "they are" },
+        "{body} can be read, but not what makes forces in it: {}; --dynamics-only leaves {them} out and lists {them}, `contrapposto inspect` shows what is read",
+        summary(items),
     );
     for item in items.iter().take(SHOWN) {
         text += &format!("\n{item}");
@@ -200,6 +209,18 @@ fn refusal(items: &[LeftOut]) -> String {
     text
 }
 
+/// What is left out by reason, each with how often: `actuator (21), contact parameters (30)`.
+pub fn summary<'a>(items: impl IntoIterator<Item = &'a LeftOut>) -> String {
+    let mut counts: Vec<(&str, usize)> = Vec::new();
+    for item in items {
+        match counts.iter_mut().find(|(reason, _)| *reason == item.reason) {
+            Some((_, count)) => *count += 1,
+            None => counts.push((item.reason, 1)),
+        }
+    }
+    counts.iter().map(|(reason, count)| format!("{reason} ({count})")).collect::<Vec<_>>().join(", ")
+}
+
 /// Reads a character from an MJCF (root element `mujoco`) or URDF (`robot`) file.
 ///
 /// # Errors
@@ -207,8 +228,8 @@ fn refusal(items: &[LeftOut]) -> String {
 pub fn open(path: &Path, options: &ImportOptions) -> Result<Imported, ImportError> {
     let root = xml::read(path)?;
     let file = match root.name.as_str() {
-        "mujoco" => mjcf::read_file(path)?,
-        "robot" => urdf::read_file(path)?,
+        "mujoco" => mjcf::read(path, root)?,
+        "robot" => urdf::read(&root)?,
         _ => {
             let fault = ModelFault::Root { found: root.name, expected: "mujoco> or <robot" };
             return Err(ModelFileError::Model { fault, place: root.place }.into());
@@ -232,7 +253,11 @@ pub fn import(file: &ModelFile, options: &ImportOptions) -> Result<Imported, Imp
         }
         let items: Vec<LeftOut> = refused().cloned().collect();
         if !items.is_empty() {
-            return Err(ImportError::Refused { items });
+            let c = &imported.character;
+            let (links, dof) = (c.skeleton.links().len(), c.skeleton.nv());
+            let name = echo(&c.name);
+            let body = format!("`{name}` ({links} links, {dof} degrees of freedom, {:.2} kg)", c.mass());
+            return Err(ImportError::Refused { body, items });
         }
     }
     Ok(imported)

@@ -16,9 +16,10 @@
 //!
 //! # What is listed
 //!
-//! As *look*: `visual`, `material`, names of collisions, `safety_controller`, `calibration`.
-//! As *physics*: `dynamics` (damping, friction), effort and velocity limits, `transmission`, `gazebo`, `sensor`, meshes,
-//! and elements that are not URDF but known from the field: `collision_checking`, `disable_collisions`.
+//! As *look*, whatever they hold: `visual`, `material`, `sensor`, `transmission`, `safety_controller`, `calibration`, and what is
+//! for other programs: `gazebo`, `ros2_control`, `mujoco`, `plugin`.
+//! As *physics*: `dynamics` (damping, friction), meshes to collide with, elements with a prefix (`drake:…`),
+//! and elements that are not URDF but known from the field: `collision_checking`, `contact`.
 //!
 //! # What is refused in any case
 //!
@@ -32,12 +33,20 @@ mod tree;
 use std::path::Path;
 
 use super::model_file::{ModelFile, ModelFileError};
+use super::xml::Element;
 
 /// Reads a URDF file.
 ///
 /// # Errors
 /// See [`ModelFault`](super::model_file::ModelFault); every message ends in file, line and column.
 pub fn read_file(path: &Path) -> Result<ModelFile, ModelFileError> {
-    let root = super::xml::read(path)?;
-    tree::read(parse::robot(&root)?)
+    read(&super::xml::read(path)?)
+}
+
+/// The model of a URDF's root element.
+///
+/// # Errors
+/// See [`read_file`].
+pub(crate) fn read(root: &Element) -> Result<ModelFile, ModelFileError> {
+    tree::read(parse::robot(root)?)
 }

@@ -2,6 +2,7 @@
 //!
 //! In: the root element. Out: [`Robot`]; every word read, listed or refused, names not yet resolved.
 
+use std::collections::HashSet;
 use std::path::{Path, PathBuf};
 
 use nalgebra::{Matrix3, Quaternion, Translation3};
@@ -10,11 +11,13 @@ use crate::attributes::Reader;
 use crate::model_file::{
     Effect, FileGeom, FileInertial, FileShape, LeftOut, ModelFault, ModelFileError, Weight,
 };
+use crate::place::Place;
 use crate::vocabulary::{
     Fate::{self, Listed, Never, Taken},
-    Part, Use, Word, attributes, judge,
+    Part, Use, Word, attributes, judge, text,
 };
-use crate::xml::{Attribute, Element, Place};
+use crate::xml::{Attribute, Element};
+use motion::floor::FRICTION;
 use motion::rotation::{EulerOrder, Quat, Vec3};
 use motion::{Range, Transform};
 
@@ -84,22 +87,27 @@ const DYNAMICS: &[Word] =
     &[("damping", Use::Nonzero("passive forces")), ("friction", Use::Nonzero("passive forces"))];
 
 const FOREIGN: Fate = Listed(Effect::Physics, "not part of URDF");
+const OTHERS: Fate = Listed(Effect::Look, "for another program");
 const ROBOT_PARTS: &[Part] = &[
     ("link", Taken),
     ("joint", Taken),
     ("material", Listed(Effect::Look, "look")),
-    ("transmission", Listed(Effect::Physics, "transmission of a motor")),
-    ("sensor", Listed(Effect::Physics, "sensor")),
-    ("gazebo", FOREIGN),
-    ("mujoco", FOREIGN),
-    ("drake:plugin", FOREIGN),
-    ("ros2_control", FOREIGN),
+    ("transmission", Listed(Effect::Look, "how a motor is attached")),
+    ("sensor", Listed(Effect::Look, "sensor: it measures and exerts no force")),
+    ("gazebo", OTHERS),
+    ("mujoco", OTHERS),
+    ("ros2_control", OTHERS),
+    ("plugin", OTHERS),
+    ("group", OTHERS),
+    ("disable_collisions", OTHERS),
     ("loop_joint", Never("bodies in a ring are not read; a robot is a tree")),
 ];
 const LINK_PARTS: &[Part] = &[
     ("inertial", Taken),
-    ("visual", Taken),
+    ("visual", Listed(Effect::Look, "look")),
     ("collision", Taken),
+    ("sensor", Listed(Effect::Look, "sensor: it measures and exerts no force")),
+    ("gazebo", OTHERS),
     ("collision_checking", FOREIGN),
     ("self_collision_checking", FOREIGN),
     ("contact", FOREIGN),
@@ -141,6 +149,8 @@ pub fn robot(root: &Element) -> Result<Robot, ModelFileError> {
         place: root.place.clone(),
     };
     attributes(root, ROBOT, "robot", &mut robot.left_out)?;
+    text(root, &mut robot.left_out)?;
+    let (mut links, mut joints) = (HashSet::new(), HashSet::new());
     for child in &root.children {
         if child.name.starts_with("xacro:") {
             let what = format!("<{}>", child.name);
@@ -148,29 +158,54 @@ pub fn robot(root: &Element) -> Result<Robot, ModelFileError> {
             let fault = ModelFault::Unsupported { what, reason };
             return Err(ModelFileError::Model { fault, place: child.place.clone() });
         }
-        if !judge(child, "robot", ROBOT_PARTS, &mut robot.left_out)? {
+        if !part(child, "robot", ROBOT_PARTS, &mut robot.left_out)? {
             continue;
         }
         if child.name == "link" {
             let link = link(child, &mut robot.left_out)?;
-            unique("link", &link.name, robot.links.iter().map(|l| &l.name), child)?;
+            unique("link", &link.name, &mut links, child)?;
             robot.links.push(link);
         } else {
             let joint = joint(child, &mut robot.left_out)?;
-            unique("joint", &joint.name, robot.joints.iter().map(|j| &j.name), child)?;
+            unique("joint", &joint.name, &mut joints, child)?;
             robot.joints.push(joint);
         }
     }
     Ok(robot)
 }
 
-fn unique<'a>(
+/// Looks a child up as [`judge`] does; an element of another name space is another program's and is listed.
+fn part(
+    child: &Element,
+    parent: &str,
+    parts: &'static [Part],
+    left_out: &mut Vec<LeftOut>,
+) -> Result<bool, ModelFileError> {
+    let fault = match child.name.as_str() {
+        "drake:joint" => "it moves a link in a way that URDF has no word for",
+        name if name.contains(':') => {
+            left_out.push(LeftOut {
+                what: child.title(),
+                reason: "an extension of another program",
+                effect: Effect::Physics,
+                missing: None,
+                place: child.place.clone(),
+            });
+            return Ok(false);
+        }
+        _ => return judge(child, parent, parts, left_out),
+    };
+    let fault = ModelFault::Unsupported { what: format!("<{}>", child.name), reason: fault };
+    Err(ModelFileError::Model { fault, place: child.place.clone() })
+}
+
+fn unique(
     kind: &'static str,
     name: &str,
-    mut earlier: impl Iterator<Item = &'a String>,
+    earlier: &mut HashSet<String>,
     element: &Element,
 ) -> Result<(), ModelFileError> {
-    if !earlier.any(|n| n == name) {
+    if earlier.insert(name.to_owned()) {
         return Ok(());
     }
     let fault = ModelFault::DuplicateName { kind, name: name.to_owned() };
@@ -243,11 +278,9 @@ fn link(element: &Element, left_out: &mut Vec<LeftOut>) -> Result<RobotLink, Mod
     let mut geoms = Vec::new();
     for child in &element.children {
         let listed = left_out.len();
-        if judge(child, "link", LINK_PARTS, left_out)? {
-            match child.name.as_str() {
-                "collision" => geoms.extend(collision(child, &name, left_out)?),
-                "visual" => visual(child, &name, left_out)?,
-                _ => {}
+        if part(child, "link", LINK_PARTS, left_out)? {
+            if child.name == "collision" {
+                geoms.extend(collision(child, &name, left_out)?);
             }
         } else {
             left_out[listed].what = format!("link `{name}`: {}", child.title());
@@ -279,23 +312,6 @@ fn inertial(element: &Element, left_out: &mut Vec<LeftOut>) -> Result<FileInerti
     Ok(FileInertial { mass: kilograms, pose, inertia: matrix, place: element.place.clone() })
 }
 
-/// Looks a `<visual>` through and lists it.
-fn visual(element: &Element, link: &str, left_out: &mut Vec<LeftOut>) -> Result<(), ModelFileError> {
-    let mut inside = Vec::new(); // it is listed whole
-    let solid = solid(element, link, &mut inside)?;
-    left_out.push(LeftOut {
-        what: format!("link `{link}`: {}", element.title()),
-        reason: "look",
-        effect: Effect::Look,
-        missing: match solid {
-            Solid::Mesh { missing } => missing,
-            Solid::Shape(..) => None,
-        },
-        place: element.place.clone(),
-    });
-    Ok(())
-}
-
 fn collision(
     element: &Element,
     link: &str,
@@ -309,6 +325,7 @@ fn collision(
             weight: Weight::Mass(0.0),
             counts: false,
             collides: true,
+            friction: FRICTION,
             place: element.place.clone(),
         })),
         Solid::Mesh { missing } => {
@@ -333,7 +350,7 @@ fn solid(element: &Element, link: &str, left_out: &mut Vec<LeftOut>) -> Result<S
     attributes(element, &[("name", Use::Read), ("group", Use::Look("look"))], &element.name, left_out)?;
     for child in &element.children {
         let listed = left_out.len();
-        if !judge(child, &element.name, SOLID_PARTS, left_out)? {
+        if !part(child, &element.name, SOLID_PARTS, left_out)? {
             left_out[listed].what = format!("link `{link}`: {}", child.title());
         }
     }
@@ -402,7 +419,7 @@ fn joint(element: &Element, left_out: &mut Vec<LeftOut>) -> Result<RobotJoint, M
     let name = name(element)?;
     for child in &element.children {
         let listed = left_out.len();
-        if !judge(child, "joint", JOINT_PARTS, left_out)? {
+        if !part(child, "joint", JOINT_PARTS, left_out)? {
             left_out[listed].what = format!("joint `{name}`: {}", child.title());
         }
     }

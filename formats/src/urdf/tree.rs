@@ -2,11 +2,14 @@
 //!
 //! In: [`Robot`]. Out: a [`ModelFile`], bodies in depth-first order, children in the order of their joints.
 
+use std::collections::HashMap;
+
 use nalgebra::Vector3;
 
 use super::parse::{Robot, RobotJoint, RobotJointKind, RobotLink};
 use crate::model_file::{FileBody, FileJoint, FileJointKind, Format, ModelFault, ModelFile, ModelFileError};
-use crate::xml::{Attribute, Place};
+use crate::place::Place;
+use crate::xml::Attribute;
 use motion::Transform;
 
 /// Standard gravity as robot simulators have it, m/s².
@@ -15,8 +18,10 @@ const GRAVITY: f64 = 9.81;
 /// Builds the tree.
 pub fn read(robot: Robot) -> Result<ModelFile, ModelFileError> {
     let fault = |fault, place: &Place| ModelFileError::Model { fault, place: place.clone() };
+    let by_name: HashMap<&str, usize> =
+        robot.links.iter().enumerate().map(|(i, link)| (link.name.as_str(), i)).collect();
     let find = |joint: &RobotJoint, end: &Attribute| {
-        robot.links.iter().position(|l| l.name == end.value).ok_or_else(|| {
+        by_name.get(end.value.as_str()).copied().ok_or_else(|| {
             let known = robot.links.iter().map(|l| l.name.clone()).collect();
             let (joint, link) = (joint.name.clone(), end.value.clone());
             fault(ModelFault::UnknownLink { joint, link, known }, &end.place)
@@ -74,6 +79,7 @@ pub fn read(robot: Robot) -> Result<ModelFile, ModelFileError> {
         name: robot.name,
         gravity: Vector3::new(0.0, 0.0, -GRAVITY),
         total_mass: None,
+        rest: None,
         bodies,
         left_out: robot.left_out,
     })
@@ -106,6 +112,7 @@ fn body(link: &RobotLink, hung: Option<(usize, &RobotJoint)>) -> FileBody {
         pose: hung.map_or(Transform::identity(), |(_, joint)| joint.origin),
         joints: joints.into_iter().collect(),
         inertial: link.inertial.clone(),
+        geoms_first: false,
         geoms: link.geoms.clone(),
         sites: Vec::new(),
         place: link.place.clone(),
