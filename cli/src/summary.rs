@@ -12,7 +12,9 @@ use takes::results::number;
 use takes::results::write::PLOTS;
 use takes::{Report, RootMode, Take};
 
-/// Joints named as sagging.
+/// A gaze that never came nearer to its point is out of reach, degrees.
+const OUT_OF_REACH_DEG: f64 = 5.0;
+/// Joints named as sagging, or as changed by their limits.
 const SAGGING: usize = 5;
 
 /// The summary of a run whose files are in `dir`.
@@ -57,6 +59,18 @@ fn write(out: &mut String, take: &Take, report: &Report, dir: &Path) -> std::fmt
     line(out, "asked for", feet(&k.feet))?;
     if k.clamped_frames > 0.0 {
         line(out, "", format!("joint limits changed {:.0} % of the frames", 100.0 * k.clamped_frames))?;
+    }
+    for (i, ignored) in k.ignored.iter().enumerate() {
+        line(out, if i == 0 { "IGNORED" } else { "" }, &ignored.text)?;
+    }
+    for (i, limited) in k.limited.iter().take(SAGGING).enumerate() {
+        line(out, if i == 0 { "LIMITED" } else { "" }, &limited.text)?;
+    }
+    if k.limited.len() > SAGGING {
+        line(out, "", format!("and {} more, see report.json", k.limited.len() - SAGGING))?;
+    }
+    if let Some(shifted) = &k.shifted {
+        line(out, "moved", &shifted.text)?;
     }
     if report.edit_conflicts > 0 {
         let text = format!(
@@ -284,7 +298,13 @@ fn performed(out: &mut String, d: &DynamicReport) -> std::fmt::Result {
         let [x, y, z] = g.at_m;
         let missed = match (g.rms_deg, g.peak_deg, g.peak_at_s) {
             (Some(rms), Some(peak), Some(at)) => {
-                format!("misses by {rms:.2}° RMS, {peak:.2}° at most, at {at:.2} s")
+                let least = g.least_deg.unwrap_or(0.0);
+                let out = if least > OUT_OF_REACH_DEG {
+                    format!("OUT OF REACH of neck and trunk by {least:.0}° at best; ")
+                } else {
+                    String::new()
+                };
+                format!("{out}misses by {rms:.2}° RMS, {peak:.2}° at most, at {at:.2} s")
             }
             _ => "never got there".into(),
         };

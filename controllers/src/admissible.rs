@@ -5,7 +5,8 @@
 //! pendulum of constant height h, `c̈ = ω² (c − p_c)`, ω² = g/h, the centre of mass c that belongs to a wanted
 //! pressure path follows from `c − c̈/ω² = p_c` with both ends held: a linear boundary-value problem that has no
 //! growing solutions, tridiagonal in time. Here `p_c = c − c̈/ω² + (clamp(p) − p)`: the path asked for, moved by no
-//! more than what brings its centre of pressure p inside. Where nothing is outside, nothing moves.
+//! more than what brings its centre of pressure p inside (in moments: where the soles carry less than the weight, by as much
+//! less). Where nothing is outside, nothing moves.
 //!
 //! In: a clip on planted feet, smooth enough to differentiate. Out: the same with the root moved horizontally and the
 //! legs solved. World frame, ground plane `(x, z)`.
@@ -14,53 +15,67 @@ use dynamics::{Model, State};
 use motion::ik::IkError;
 use motion::plant::Plant;
 use motion::support::{Vec2, ground};
-use motion::{Clip, Derivatives};
+use motion::{Clip, Derivatives, Vec3};
 
 use crate::feed::pressure;
 use crate::posture::settle;
 use crate::support::{Foot, clamp_inside, polygon};
 
+/// How far the centre of pressure of each frame must go to be `margin` (m) inside the soles of `feet` on the ground at height
+/// `ground_m`, times the load of the soles over the weight: the moment that is missing over the weight. With the centre of mass
+/// of each frame, m. `d`: derivatives of the clip.
+pub fn outside(
+    model: &Model,
+    clip: &Clip,
+    d: &Derivatives,
+    feet: &[Foot],
+    ground_m: f64,
+    margin: f64,
+) -> Vec<(Vec2, Vec3)> {
+    let nv = model.nv();
+    let weight = (model.mass * model.gravity.norm()).max(1e-9);
+    let mut state = State::new(model);
+    let mut tau = vec![0.0; nv];
+    let mut one = |f: usize| {
+        let (v, vd) = (&d.v[f * nv..(f + 1) * nv], &d.vd[f * nv..(f + 1) * nv]);
+        state.update(model, clip.pose(f), v);
+        state.inverse_dynamics(model, v, vd, &[], &mut tau);
+        let support = polygon(feet, model, &state);
+        let beyond = pressure(&state, &tau, ground_m)
+            .map_or(Vec2::zeros(), |(force, p)| (clamp_inside(&support, p, margin) - p) * (force.y / weight));
+        (beyond, state.com(model))
+    };
+    (0..clip.frames()).map(&mut one).collect()
+}
+
 /// Moves the root of `clip` so that its centre of pressure on the ground at height `ground_m` stays `margin` (m)
-/// inside the soles of `feet`, which stand at `plants`.
+/// inside the soles of `feet`, which stand at `plants`. `d`: derivatives of the clip, which say how sudden a change of the
+/// pressure counts.
 ///
-/// Returns how far the centre of mass was moved at most, m.
+/// Returns how far the centre of mass was moved in every frame, m.
 ///
 /// # Errors
 /// Legs that two-bone IK cannot solve.
 pub fn admit(
     model: &Model,
     clip: &mut Clip,
+    d: &Derivatives,
     feet: &[Foot],
     plants: &[Plant],
     ground_m: f64,
     margin: f64,
-) -> Result<f64, IkError> {
-    let (frames, nv) = (clip.frames(), model.nv());
-    let d = Derivatives::central(clip);
-    let mut state = State::new(model);
-    let mut tau = vec![0.0; nv];
-    let (mut outside, mut com) = (Vec::with_capacity(frames), Vec::with_capacity(frames));
-    let mut height = 0.0;
-    for f in 0..frames {
-        let (v, vd) = (&d.v[f * nv..(f + 1) * nv], &d.vd[f * nv..(f + 1) * nv]);
-        state.update(model, clip.pose(f), v);
-        state.inverse_dynamics(model, v, vd, &[], &mut tau);
-        let c = state.com(model);
-        height += (c.y - ground_m) / frames as f64;
-        let support = polygon(feet, model, &state);
-        let beyond = pressure(&state, &tau, ground_m)
-            .map_or(Vec2::zeros(), |(_, p)| clamp_inside(&support, p, margin) - p);
-        outside.push(beyond);
-        com.push(ground(&c));
-    }
-    // (1 + 2a) x_i − a (x_{i−1} + x_{i+1}) = outside_i, ends held
+) -> Result<Vec<Vec2>, IkError> {
+    let found = outside(model, clip, d, feet, ground_m, margin);
+    let beyond: Vec<Vec2> = found.iter().map(|(beyond, _)| *beyond).collect();
+    let height = found.iter().map(|(_, com)| com.y - ground_m).sum::<f64>() / found.len().max(1) as f64;
+    // (1 + 2a) x_i − a (x_{i−1} + x_{i+1}) = beyond_i, ends held
     let a = height.max(0.2) / model.gravity.norm().max(1e-9) * clip.rate_hz * clip.rate_hz;
-    let moves = solve(&outside, a);
-    let furthest = moves.iter().map(|m| m.norm()).fold(0.0, f64::max);
-    for f in 0..frames {
-        settle(model, &mut state, clip.pose_mut(f), plants, com[f] + moves[f])?;
+    let moves = solve(&beyond, a);
+    let mut state = State::new(model);
+    for (f, (_, com)) in found.iter().enumerate() {
+        settle(model, &mut state, clip.pose_mut(f), plants, ground(com) + moves[f])?;
     }
-    Ok(furthest)
+    Ok(moves)
 }
 
 /// Solves `(1 + 2a) x_i − a (x_{i−1} + x_{i+1}) = b_i` with `x = 0` at both ends (Thomas).

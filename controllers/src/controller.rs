@@ -3,7 +3,7 @@
 //! Three kinds of joints:
 //! - *transitions* (scripts): gains for the end pose of each element, known when it becomes active, are run
 //!   to along its curve; joints that hold still are balanced anew for the pose the others are going to;
-//! - *tracked* (clips, and legs solved by IK): every step the load is
+//! - *tracked* (clips, legs solved by IK, transitions whose timing is led): every step the load is
 //!   τ_e = −[ID(q*, q̇*, q̈*) + k_d q̇*], the same antagonists with feed-forward inside;
 //! - *stance legs*: driven by [`Balance`].
 //!
@@ -114,12 +114,25 @@ impl Controller {
             self.model_now += 1;
         }
         self.redirect(t);
-        if self.joints.iter().any(|m| matches!(m, JointControl::Tracked)) {
+        let level = |plan: &Plan, i: usize| match &self.joints[i] {
+            JointControl::Tracked => 1.0,
+            JointControl::Transition(_) => plan.dense_level(plan.models[0].model.bodies[i].link, row),
+            JointControl::Unactuated | JointControl::StanceLeg => 0.0,
+        };
+        let levels: Vec<f64> = (0..self.joints.len()).map(|i| level(&self.plan, i)).collect();
+        if levels.iter().any(|level| *level > 0.0) {
             self.feed_forward(row);
         }
-        for i in 0..self.joints.len() {
+        for (i, level) in levels.into_iter().enumerate() {
             match &self.joints[i] {
-                JointControl::Transition(m) => self.drives[i] = m.at(t),
+                JointControl::Transition(m) if level > 0.0 => {
+                    let loose = m.at(t);
+                    self.drives[i] = loose.blend(&self.track(i, row), level);
+                }
+                JointControl::Transition(m) => {
+                    self.drives[i] = m.at(t);
+                    self.past_sagging.extend(self.open_sagging[i].take());
+                }
                 JointControl::Tracked => self.drives[i] = self.track(i, row),
                 JointControl::Unactuated | JointControl::StanceLeg => {}
             }
@@ -183,11 +196,14 @@ impl Controller {
         let tension = plan.tension_at(b.link, row);
         let Impedance { stiffness, damping } = plan.impedances[body];
         // damping goes with the root of stiffness
-        let (stiffness, damping) = (stiffness * tension, damping * tension.sqrt());
+        let (mut stiffness, damping) = (stiffness * tension, damping * tension.sqrt());
         let rate = dynamics::rnea::joint_force(&b.joint, plan.goal.velocity(row), b.v_at);
         let load = -dynamics::rnea::joint_force(&b.joint, &self.tau, b.v_at) - rate * damping;
         let target = rest_of(model, body, plan.goal.pose(row));
         let least = plan.set_points[body].least(&target, load).max(plan.stability_need(body, row));
+        if plan.tenses(b.link) {
+            stiffness = stiffness.max(least);
+        }
         let drive = Drive { stiffness, damping, rest: plan.set_points[body].rest(&target, load, stiffness) };
         let now = Sagging {
             link: b.link,

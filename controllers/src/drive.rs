@@ -73,6 +73,16 @@ impl Drive {
     /// A joint without muscles.
     pub const NONE: Self = Self { stiffness: 0.0, damping: 0.0, rest: Rest::None };
 
+    /// Drive between `self` and `other` at the fraction `s`: stiffness, damping and rest.
+    pub fn blend(&self, other: &Self, s: f64) -> Self {
+        let mix = |a: f64, b: f64| a + (b - a) * s;
+        Self {
+            stiffness: mix(self.stiffness, other.stiffness),
+            damping: mix(self.damping, other.damping),
+            rest: self.rest.blend(&other.rest, s),
+        }
+    }
+
     /// How far a ball at `now` is from where its springs pull it, as rotation vector along the zero frame:
     /// their torque over K, rad.
     pub fn pull(&self, now: &Quat) -> Vec3 {

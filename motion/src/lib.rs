@@ -15,6 +15,7 @@
 //! | [`dof`] | degrees of freedom as scripts name them, and their values |
 //! | [`track`] | transition-element tracks: the editable form of a motion |
 //! | [`script`] | actions, cycles, poses: the written form of a motion |
+//! | [`timing`] | what muscles know of a written motion |
 //! | [`plant`] | feet that stay where they stand |
 //! | [`shape`] | capsules, boxes, balls |
 //! | [`fk`] | forward kinematics |
@@ -52,6 +53,7 @@ pub mod sole;
 pub mod stance;
 pub mod support;
 pub mod time_map;
+pub mod timing;
 pub mod track;
 
 pub use clip::Clip;
@@ -61,7 +63,7 @@ pub use derivatives::Derivatives;
 pub use dof::{Dof, Value};
 pub use fk::Kinematics;
 pub use floor::{Floor, Tilt};
-pub use plant::Plant;
+pub use plant::{Knee, Plant};
 pub use rotation::{EulerOrder, Quat, Vec3};
 pub use script::{Script, ScriptError};
 pub use shape::Shape;
@@ -70,6 +72,7 @@ pub use smooth::{SmoothReport, Smoothed, Smoothing, Strength, smooth};
 pub use sole::Sole;
 pub use support::Support;
 pub use time_map::TimeMap;
+pub use timing::Timing;
 pub use track::{Element, Label, Track, Tracks};
 
 /// A rigid transform; `world_from_link` maps points of the link into the world.

@@ -4,9 +4,19 @@
 //! knees and ankles solved, the root lowered where a leg would have to be longer than it is. Geometry
 //! only; who shifts the root to keep balance is `controllers`.
 
-use crate::ik::{IkError, Reach, reach_range, solve_two_bone_oriented};
+use crate::ik::{IkError, Reach, reach_range, solve_two_bone_oriented, swivel};
 use crate::skeleton::Joint;
 use crate::{Kinematics, Limb, Skeleton, Transform, Vec3};
+
+/// Where the middle joint of a held limb goes.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Knee {
+    /// It keeps the swivel that the pose has: of captured motion, of arms.
+    #[default]
+    Kept,
+    /// It follows the end and the link above the limb, as [`swivel`] says: of written motion.
+    Follows,
+}
 
 /// A foot (or hand) held in place.
 #[derive(Clone, Debug, PartialEq)]
@@ -15,6 +25,8 @@ pub struct Plant {
     pub limb: Limb,
     /// Where: `world_from_end`.
     pub world_from_end: Transform,
+    /// Where its middle joint goes.
+    pub knee: Knee,
 }
 
 /// A leg is never pulled straighter than this fraction of its full length: 3.6° of knee flexion for
@@ -25,7 +37,7 @@ impl Plant {
     /// Holds the end of `limb` where it is in the pose `q`.
     pub fn here(skeleton: &Skeleton, q: &[f64], limb: &Limb) -> Self {
         let kinematics = Kinematics::new(skeleton, q);
-        Self { limb: limb.clone(), world_from_end: kinematics.world[limb.end] }
+        Self { limb: limb.clone(), world_from_end: kinematics.world[limb.end], knee: Knee::Kept }
     }
 }
 
@@ -50,6 +62,9 @@ pub fn plant(skeleton: &Skeleton, q: &mut [f64], plants: &[Plant]) -> Result<f64
             solve_two_bone_oriented(skeleton, q, &p.limb, &p.world_from_end)?
         {
             worst = worst.max(residue_m);
+        }
+        if p.knee == Knee::Follows {
+            swivel::turn(skeleton, q, &p.limb, swivel::missing(skeleton, q, &p.limb));
         }
     }
     Ok(worst)

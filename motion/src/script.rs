@@ -21,7 +21,7 @@ use crate::curve::Curve;
 use crate::dof::{Dof, Value};
 use crate::names::hint;
 use crate::track::{Element, Label, Tracks};
-use crate::{Joint, Quat, Skeleton};
+use crate::{Joint, Quat, Skeleton, Timing};
 
 /// Most repetitions of one cycle.
 pub const MAX_REPETITIONS: usize = 10_000;
@@ -41,12 +41,19 @@ pub struct Properties {
     pub duration_s: Option<f64>,
     /// How long the end is held, s.
     pub hold_s: Option<f64>,
+    /// What muscles know of the motion.
+    pub timing: Option<Timing>,
 }
 
 impl Properties {
-    /// What holds where nothing is set: least-jerk curve, natural tension, half a second, no hold.
-    pub const DEFAULT: Self =
-        Self { curve: Some(Curve::EaseInOut), tension: Some(1.0), duration_s: Some(0.5), hold_s: Some(0.0) };
+    /// What holds where nothing is set: least-jerk curve, natural tension, half a second, no hold, loose timing.
+    pub const DEFAULT: Self = Self {
+        curve: Some(Curve::EaseInOut),
+        tension: Some(1.0),
+        duration_s: Some(0.5),
+        hold_s: Some(0.0),
+        timing: Some(Timing::Loose),
+    };
 
     /// These settings, and those of `outer` where these are silent.
     pub fn within(&self, outer: &Self) -> Self {
@@ -55,6 +62,7 @@ impl Properties {
             tension: self.tension.or(outer.tension),
             duration_s: self.duration_s.or(outer.duration_s),
             hold_s: self.hold_s.or(outer.hold_s),
+            timing: self.timing.or(outer.timing),
         }
     }
 }
@@ -231,6 +239,7 @@ struct Settled {
     tension: f64,
     duration_s: f64,
     hold_s: f64,
+    timing: Timing,
 }
 
 impl Properties {
@@ -241,6 +250,7 @@ impl Properties {
             tension: all.tension.unwrap_or(1.0),
             duration_s: all.duration_s.unwrap_or(0.0),
             hold_s: all.hold_s.unwrap_or(0.0),
+            timing: all.timing.unwrap_or_default(),
         };
         let range = |what: &str, value, allowed| {
             Err(ScriptError::Range { what: what.into(), value, allowed, place: place() })
@@ -328,6 +338,7 @@ impl Builder<'_> {
             end: value,
             curve: settled.curve,
             tension: settled.tension,
+            timing: settled.timing,
         };
         if let Some(track) = self.tracks.track_mut(dof) {
             track.insert(element);

@@ -18,7 +18,7 @@ use std::sync::Arc;
 
 use crate::curve::Curve;
 use crate::dof::{Dof, Value};
-use crate::{Clip, Skeleton};
+use crate::{Clip, Skeleton, Timing};
 
 /// Where an element comes from: its place in the script.
 ///
@@ -87,6 +87,8 @@ pub struct Element {
     pub curve: Curve,
     /// Tension, dimensionless; 1 is relaxed and natural.
     pub tension: f64,
+    /// What its muscles know of the motion.
+    pub timing: Timing,
 }
 
 impl Element {

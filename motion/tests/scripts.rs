@@ -165,8 +165,12 @@ fn properties_flow_down_and_the_innermost_wins() {
     };
     let mut a = action("wave", 0.0, vec![pose], 1);
     a.cycles[0].properties.duration_s = Some(0.7);
-    a.properties =
-        Properties { curve: Some(Curve::EaseIn), tension: Some(2.0), duration_s: Some(9.0), hold_s: None };
+    a.properties = Properties {
+        curve: Some(Curve::EaseIn),
+        tension: Some(2.0),
+        duration_s: Some(9.0),
+        ..Properties::default()
+    };
     let s = skeleton();
     let properties = Properties { hold_s: Some(0.25), ..Properties::default() };
     let tracks = Script { properties, actions: vec![a], inserts: vec![] }.build(&s, &base(&s)).unwrap();

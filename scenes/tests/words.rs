@@ -7,7 +7,7 @@ use controllers::{GainBlend, Strategy};
 use dynamics::RootName;
 use edits::{Direction, Reference};
 use motion::names::Word;
-use motion::{CurveName, LimbKind};
+use motion::{CurveName, LimbKind, Timing};
 use retarget::{MappingModel, PipelineStage, RefineDofs, RefineDofsName, SizeRatio, SizeRatioName};
 use scenes::conditions::{Clock, GroundName};
 use scenes::schema::{EditRon, GroundRon, MotionRon, RootRon, SceneRon};
@@ -43,6 +43,7 @@ fn none<W>(_: W) -> &'static str {
 #[test]
 fn a_scene_takes_every_word() {
     check::<Strategy>("balance: (without: [WORD])", none, |s| s.balance.without[0].0);
+    check::<Timing>("properties: (timing: WORD)", none, |s| s.properties.timing.expect("a timing").0);
     check::<GainBlend>("physics: (blend: WORD)", none, |s| s.physics.blend.0);
     check::<Clock>("pushes: [Push(link: \"chest\", impulse_ns: 5, start_s: 0, clock: WORD)]", none, |s| {
         s.pushes[0].clock.0

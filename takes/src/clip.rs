@@ -27,6 +27,7 @@ use scenes::{ConditionsSpec, TuneSpec, character_file};
 use crate::clip_edits::{self, Clips};
 use crate::conditions::begin_in_time;
 use crate::error::MOST_STEPS;
+use crate::limited::{Limited, limited};
 use crate::standing::stance;
 use crate::take::{Asked, Body, ClipSource, Source, Take};
 use crate::{Ask, Conditions, TakeError};
@@ -160,15 +161,16 @@ fn larger(body: &Character, clip: &Clip) -> Option<f64> {
 /// Share of a length below which two are the same.
 const SAME_SIZE: f64 = 0.01;
 
-/// Keeps joint limits; also the fraction of the frames that they changed.
-pub(crate) fn limited(mut clip: Clip) -> (Clip, f64) {
+/// Keeps joint limits; also the fraction of the frames that they changed, and which joints.
+pub(crate) fn within_limits(mut clip: Clip) -> (Clip, f64, Vec<Limited>) {
+    let changed = limited(&clip);
     let skeleton = clip.skeleton.clone();
     let mut clamped = 0;
     for f in 0..clip.frames() {
         clamped += usize::from(skeleton.clamp_to_limits(clip.pose_mut(f)));
     }
     let share = clamped as f64 / clip.frames() as f64;
-    (clip, share)
+    (clip, share, changed)
 }
 
 /// The take of a clip. `scene` has edits and pictures, where there is one; `spec` is what it says of conditions.
@@ -187,7 +189,7 @@ pub(crate) fn take(
     }
     let character = &body.character;
     let given = map.clip_to_character(&source, &character.skeleton);
-    let (unedited, mut clamped) = limited(given.clone());
+    let (unedited, mut clamped, mut limited) = within_limits(given.clone());
     let mut log = EditLog::default();
     let mut times = TimeMap::identity();
     let mut clip = unedited.clone();
@@ -198,7 +200,7 @@ pub(crate) fn take(
         let Clips { motion, changed } = clip_edits::apply(scene, motion, &mut log)?;
         if changed {
             times = motion.times;
-            (clip, clamped) = limited(motion.clip);
+            (clip, clamped, limited) = within_limits(motion.clip);
             if !times.is_identity() {
                 source = times.retime(&source);
             }
@@ -222,6 +224,9 @@ pub(crate) fn take(
             stance: Some(stance),
             times,
             clamped,
+            ignored: Vec::new(),
+            limited,
+            shifted: None,
         },
         unedited,
         log,

@@ -3,8 +3,9 @@
 //! In: a [`Motion`] from any source, the edits a scene declares. Out: the motion edited, or an error at the edit that does not fit; of a
 //! script also which joints are now performed as a dense clip, and how tense they are when.
 
+use controllers::plan::dense::BLEND_S;
 use controllers::{Dense, DenseJoint};
-use edits::{EditLog, Motion};
+use edits::{ClipChange, EditLog, Motion};
 use motion::{Dof, Joint, TimeMap, Tracks};
 use scenes::SceneError;
 use scenes::scene::{EditKind, Scene};
@@ -35,23 +36,28 @@ pub(crate) fn apply(scene: &Scene, mut motion: Motion, log: &mut EditLog) -> Res
 
 /// The joints of a script that clip edits changed, each with the tension that its elements say at their (edited) times.
 ///
-/// What was retimed changed as a whole. A joint that any clip edit touched is dense from beginning to end: elements before
-/// the change would end in poses that the edited motion does not reach.
+/// What was retimed changed as a whole. A joint that a clip edit touched is dense while the edit acts; before and after it follows
+/// its elements.
 pub(crate) fn dense(tracks: &Tracks, log: &EditLog, times: &TimeMap) -> Dense {
     let skeleton = &tracks.skeleton;
     let all = !times.is_identity();
-    let changed = |link: usize| {
-        let name = &skeleton.links()[link].name;
-        log.clip_changes().iter().any(|c| c.joints.contains(name))
-    };
     let moves = |link: &usize| !matches!(skeleton.links()[*link].joint, Joint::Fixed);
-    let joint = |link: usize| DenseJoint { link, tension: tension(tracks, link, times) };
-    let links = (0..skeleton.links().len()).filter(moves).filter(|&l| all || changed(l));
-    Dense { joints: links.map(joint).collect() }
+    let joint = |link: usize| {
+        let whole = DenseJoint::throughout(link, tension(tracks, link, times));
+        if all {
+            return Some(whole);
+        }
+        let name = &skeleton.links()[link].name;
+        // dense as the change begins
+        let of = |c: &ClipChange| c.joints.contains(name).then_some((c.from_s - BLEND_S, c.to_s));
+        let spans: Vec<(f64, f64)> = log.clip_changes().iter().filter_map(of).collect();
+        (!spans.is_empty()).then(|| DenseJoint::during(link, whole.tension, spans))
+    };
+    Dense { joints: (0..skeleton.links().len()).filter(moves).filter_map(joint).collect() }
 }
 
 /// Tension of a joint over time, as its elements say.
-fn tension(tracks: &Tracks, link: usize, times: &TimeMap) -> Vec<(f64, f64)> {
+pub(crate) fn tension(tracks: &Tracks, link: usize, times: &TimeMap) -> Vec<(f64, f64)> {
     let own = Dof::of_link(&tracks.skeleton, link).and_then(|dof| tracks.track(dof));
     let mut steps = vec![(0.0, tracks.base_tension[link])];
     for e in own.iter().flat_map(|t| &t.elements) {

@@ -11,7 +11,8 @@
 //! | [`ask`], [`error`] | what a take is opened from; why there is none |
 //! | [`take`] | the take: body, source, motion asked for, conditions |
 //! | [`conditions`] | what acts on the body |
-//! | [`script`] | the take of a script |
+//! | [`script`], `possible`, [`ignored`] | the take of a script, made possible; its keys that cannot act |
+//! | [`limited`] | joints that their limits changed |
 //! | `clip`, `clip_edits` | the take of a clip; edits of sampled motion |
 //! | [`retargeting`] | human motion put on a character |
 //! | [`standing`] | the parts of a clip a body can perform on its own feet |
@@ -30,9 +31,12 @@ mod clip_edits;
 pub mod conditions;
 pub mod error;
 pub mod export;
+pub mod ignored;
 pub mod inspect;
+pub mod limited;
 pub mod open;
 pub mod perform;
+mod possible;
 pub mod progress;
 pub mod results;
 pub mod retargeting;
@@ -46,9 +50,12 @@ pub use ask::{Ask, Input, is_ron};
 pub use conditions::Conditions;
 pub use dynamics::{Analysis, RootMode, Trace};
 pub use error::TakeError;
+pub use ignored::{Ignored, Why};
 pub use inspect::character_in;
+pub use limited::Limited;
 pub use open::open;
 pub use perform::{PerformError, Performed, PerformedSpan, Runs};
+pub use possible::Shifted;
 pub use progress::{Event, Progress};
 pub use results::analysis_report::AnalysisReport;
 pub use results::report::Report;

@@ -7,19 +7,21 @@
 //! ```
 
 use crate::conditions::begin_in_time;
-use controllers::Dense;
+use controllers::{Dense, DenseJoint};
 use dynamics::conditions::RootMode;
-use dynamics::{Model, State};
 use edits::{EditLog, Motion};
-use motion::plant::{Plant, plant};
-use motion::support::ground;
-use motion::{Clip, Contact, ContactPlan, Floor, TimeMap, Tracks, Transform, Vec3};
-use nalgebra::{Point3, Translation3};
+use motion::plant::{Knee, Plant};
+use motion::{
+    Contact, ContactPlan, Dof, Element, Floor, Joint, LimbKind, TimeMap, Timing, Tracks, Transform,
+};
+use nalgebra::Translation3;
 use scenes::SceneError;
 use scenes::scene::{EditKind, Scene, ScriptSpec};
 
 use crate::clip_edits::{self, Clips};
 use crate::error::{MOST_STEPS, too_long};
+use crate::ignored::ignored;
+use crate::possible::{Finished, Sampler};
 use crate::take::{Asked, Body, Source, Take, USUAL_RATE_HZ};
 use crate::{Ask, Conditions};
 
@@ -70,12 +72,14 @@ pub(crate) fn take(scene: &Scene, script: &ScriptSpec, ask: &Ask) -> Result<Take
     let onto = ground.as_ref().map_or(Transform::identity(), onto);
     let planted = |&l: &usize| {
         let here = Plant::here(skeleton, &character.rest, &skeleton.limbs()[l]);
-        Plant { world_from_end: onto * here.world_from_end, ..here }
+        let legs = here.limb.kind == LimbKind::Leg;
+        let knee = if legs { Knee::Follows } else { Knee::Kept };
+        Plant { world_from_end: onto * here.world_from_end, knee, ..here }
     };
     let plants: Vec<Plant> = script.planted.iter().map(planted).collect();
     let sampler = Sampler { scene, script, plants: &plants, onto };
     let contacts = contacts(script, &plants, end);
-    let (unedited, _) = sampler.finish(plain.sample(rate_hz), &TimeMap::identity())?;
+    let unedited = sampler.finish(plain.sample(rate_hz), &plain, &TimeMap::identity())?.clip;
     let (asked, tracks) = if ask.no_edits {
         log = EditLog::default();
         let motion = Motion { contacts, ..Motion::of(plain.sample(rate_hz)) };
@@ -92,8 +96,16 @@ pub(crate) fn take(scene: &Scene, script: &ScriptSpec, ask: &Ask) -> Result<Take
     let times = asked.motion.times.clone();
     let length = if asked.changed { asked.motion.clip.duration_s() } else { end };
     begin_in_time(scene, [end, length], "settle_s makes the still time after the last element longer")?;
-    let (clip, clamped) = sampler.finish(asked.motion.clip, &times)?;
-    let dense = if asked.changed { clip_edits::dense(&tracks, &log, &times) } else { Dense::default() };
+    let Finished { clip, clamped, limited, lowered_m, shifted } =
+        sampler.finish(asked.motion.clip, &tracks, &times)?;
+    let mut dense = if asked.changed { clip_edits::dense(&tracks, &log, &times) } else { Dense::default() };
+    follow_led(&mut dense, &tracks, &times);
+    follow_plants(&mut dense, &tracks, &plants, scene.conditions.physics.root == RootMode::Pinned);
+    let lowered = |from_s: f64, to_s: f64| {
+        let frame = |t_s: f64| ((times.at(t_s) * rate_hz).round() as usize).min(lowered_m.len() - 1);
+        lowered_m[frame(from_s)..=frame(to_s)].iter().copied().fold(0.0, f64::max)
+    };
+    let ignored = ignored(&tracks, &plants, lowered);
     // transitions are left where some joint still follows its elements at their own times
     let transitions = times.is_identity();
     Ok(Take {
@@ -108,6 +120,9 @@ pub(crate) fn take(scene: &Scene, script: &ScriptSpec, ask: &Ask) -> Result<Take
             contacts: asked.motion.contacts,
             stance: None,
             clamped,
+            ignored,
+            limited,
+            shifted,
             times: times.clone(),
         },
         unedited,
@@ -151,53 +166,36 @@ fn contacts(script: &ScriptSpec, plants: &[Plant], end_s: f64) -> ContactPlan {
     ContactPlan::new(all).unwrap_or_default()
 }
 
-struct Sampler<'a> {
-    scene: &'a Scene,
-    script: &'a ScriptSpec,
-    plants: &'a [Plant],
-    /// From level ground to the scene's.
-    onto: Transform,
+/// Adds the joints that are led, while they are: from an element that is to the next that is not.
+fn follow_led(dense: &mut Dense, tracks: &Tracks, times: &TimeMap) {
+    for track in &tracks.tracks {
+        let (Dof::Axis(link) | Dof::Rotation(link)) = track.dof else { continue };
+        let led = |(i, e): (usize, &Element)| {
+            let to_s = track.elements.get(i + 1).map_or(f64::INFINITY, |next| next.start_s);
+            (e.timing == Timing::Led).then_some((e.start_s, to_s))
+        };
+        let spans: Vec<(f64, f64)> = track.elements.iter().enumerate().filter_map(led).collect();
+        if !spans.is_empty() && tracks.skeleton.links()[link].joint != Joint::Free {
+            let tension = clip_edits::tension(tracks, link, times);
+            dense.add(DenseJoint { tenses: true, ..DenseJoint::during(link, tension, spans) });
+        }
+    }
 }
 
-impl Sampler<'_> {
-    /// Keeps joint limits, plants the feet, and moves the pelvis so that the centre of mass stays where it is at rest (plus
-    /// what the script moves the root). `times`: from the script's time to the clip's.
-    fn finish(&self, mut clip: Clip, times: &TimeMap) -> Result<(Clip, f64), SceneError> {
-        let character = &self.scene.character;
-        let skeleton = &character.skeleton;
-        let physics = &self.scene.conditions.physics;
-        let model = Model::new(character, physics.gravity);
-        let mut state = State::new(&model);
-        state.update(&model, &character.rest, &vec![0.0; model.nv()]);
-        let floor = physics.ground.map_or(0.0, |g| g.height_m);
-        let com = ground(&state.com(&model));
-        let stance = ground(&(self.onto * Point3::new(com.x, floor, com.y)).coords);
-        let home = skeleton.position(&character.rest, 0);
-        let ik = |e: motion::ik::IkError| self.scene.source.error("planted", e.to_string());
-        let script_s = (!times.is_identity()).then(|| times.inverse());
-        let mut clamped = 0;
-        for f in 0..clip.frames() {
-            let t_s = f as f64 / clip.rate_hz;
-            let q = clip.pose_mut(f);
-            clamped += usize::from(skeleton.clamp_to_limits(q));
-            if self.plants.is_empty() {
-                continue;
-            }
-            if physics.root == RootMode::Pinned {
-                let t_s = script_s.as_ref().map_or(t_s, |map| map.at(t_s));
-                let (plants, height) = self.script.footwork.at(t_s, self.plants);
-                if height > 0.0 {
-                    let root = skeleton.position(q, 0) + Vec3::y() * height;
-                    skeleton.set_position(q, 0, &root);
-                }
-                plant(skeleton, q, &plants).map_err(ik)?;
-            } else {
-                let moved = ground(&(skeleton.position(q, 0) - home));
-                controllers::posture::settle(&model, &mut state, q, self.plants, stance + moved)
-                    .map_err(ik)?;
+/// Adds the joints of planted limbs that no balance drives: their muscles follow the IK, as they follow a clip.
+///
+/// The balance drives the legs of a body that stands on them. Under a pinned root nothing does, nor do planted arms
+/// under any.
+fn follow_plants(dense: &mut Dense, tracks: &Tracks, plants: &[Plant], pinned: bool) {
+    let links = tracks.skeleton.links();
+    for limb in plants.iter().map(|p| &p.limb).filter(|l| pinned || l.kind == LimbKind::Arm) {
+        for link in [limb.upper, limb.lower, limb.end] {
+            // what the elements of these joints say is ignored, their tension with it
+            dense.joints.retain(|j| j.link != link);
+            if links[link].joint != Joint::Fixed {
+                let tension = vec![(0.0, tracks.base_tension[link])];
+                dense.joints.push(DenseJoint { tenses: true, ..DenseJoint::throughout(link, tension) });
             }
         }
-        let share = clamped as f64 / clip.frames() as f64;
-        Ok((clip, share))
     }
 }

@@ -20,9 +20,9 @@ use dynamics::conditions::RootMode;
 use dynamics::{Model, State};
 use motion::floor::FRICTION;
 use motion::ik::IkError;
-use motion::plant::{Plant, plant};
+use motion::plant::{Knee, Plant, plant};
 use motion::stance::{self, Settings, Stance, StanceSpan};
-use motion::{Clip, Floor, Kinematics, Sole, Vec3};
+use motion::{Clip, Derivatives, Floor, Kinematics, Sole, Vec3};
 
 use crate::Conditions;
 use crate::clip::contacts;
@@ -103,7 +103,7 @@ impl Take {
             let from_end = world_from_end * k.world[sole.link].inverse();
             let placed = from_end.transform_point(&sole.center(&k).into()).coords;
             moved += (placed - mean / whole.len() as f64) / soles.len() as f64;
-            plants.push(Plant { limb: (*limb).clone(), world_from_end });
+            plants.push(Plant { limb: (*limb).clone(), world_from_end, knee: Knee::Kept });
         }
         for f in whole {
             let q = clip.pose_mut(f);
@@ -116,7 +116,8 @@ impl Take {
         let strength = strength(&model, &mut State::new(&model), &clip, &AnalysisOptions::default());
         let mut clip = motion::smooth::smooth_at(&clip, strength).clip;
         let feet = Foot::of(character, &model);
-        admit(&model, &mut clip, &feet, &plants, ground_m, MARGIN)?;
+        let derivatives = Derivatives::central(&clip);
+        admit(&model, &mut clip, &derivatives, &feet, &plants, ground_m, MARGIN)?;
         let stands = StanceSpan { frames: 0..clip.frames(), stands: true, stepping: Vec::new() };
         let friction = physics.ground.map_or(FRICTION, |g| g.friction);
         let ground = Some(Floor::level(ground_m, friction));

@@ -24,6 +24,9 @@ use scenes::TuneSpec;
 use sim::Pass;
 
 use crate::Conditions;
+use crate::ignored::Ignored;
+use crate::limited::Limited;
+use crate::possible::Shifted;
 
 /// The body of a take.
 #[derive(Clone, Debug)]
@@ -94,6 +97,12 @@ pub struct Asked {
     pub times: TimeMap,
     /// Fraction of the frames that joint limits changed.
     pub clamped: f64,
+    /// Keys of a script that do not act.
+    pub ignored: Vec<Ignored>,
+    /// Joints that limits changed, the furthest first.
+    pub limited: Vec<Limited>,
+    /// How the root of a script gave way so that its feet can carry it.
+    pub shifted: Option<Shifted>,
 }
 
 /// Who performs what, under which conditions. See the module header.
@@ -160,7 +169,7 @@ impl Take {
         let c = &self.conditions;
         let p = &c.physics;
         let held = p.root == RootMode::Pinned;
-        let captured = matches!(self.source, Source::Clip(_));
+        let followed = matches!(self.source, Source::Clip(_)) || !self.asked.plants.is_empty();
         Pass {
             setup: Setup {
                 character: self.body.character.clone(),
@@ -177,8 +186,9 @@ impl Take {
             reactive: c.gazes.iter().map(|g| Box::new(g.clone()) as Box<dyn Reactive>).collect(),
             substeps: p.substeps,
             root: p.root,
-            // a pinned clip passes through the floor as it was captured: contact would fight the pin
-            ground: if held && captured { None } else { p.ground },
+            // legs that follow a clip or planted feet under a pinned root are where they are asked to be: contact would
+            // fight the pin over every millimetre
+            ground: if held && followed { None } else { p.ground },
             tilts: c.tilts.clone(),
             pushes: c.pushes.clone(),
             carried: c.carried.clone(),

@@ -21,7 +21,7 @@ fn standing_bow() -> Pass {
 fn looking(pass: Pass, target: Vec3) -> Pass {
     let c = pass.setup.character.clone();
     let links = ["neck", "head"].map(|l| c.skeleton.link(l).unwrap());
-    let settings = GazeSettings { target, from_s: 0.0, to_s: f64::INFINITY, blend_s: BLEND };
+    let settings = GazeSettings { target, from_s: 0.0, to_s: f64::INFINITY, blend_s: BLEND, trunk: 0.0 };
     let model = Model::new(&c, pass.setup.gravity);
     let gaze = Gaze::new(&c, &model, "eyes", &links, settings).unwrap();
     let mut pass = pass;

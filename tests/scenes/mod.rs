@@ -2,4 +2,5 @@
 
 mod edits_move_their_numbers;
 mod library;
+mod person;
 mod standing;

@@ -236,7 +236,7 @@ impl Balance {
         force += Vec3::new(thrust.x, 0.0, thrust.y);
         let wanted = Wanted { force, pressure, above: sway.above, rise: sway.rise };
         let stance = Stance { feet: &self.feet, plants: &self.plants, floor, even_load: !s.weight_shift };
-        self.body.solve(&mut self.now, step, &stance, &wanted);
+        self.body.solve(&mut self.now, &self.asked, step, &stance, &wanted);
         self.body.drive(&mut self.now, step, &stance, level, drives);
     }
 

@@ -9,6 +9,8 @@
 //!
 //! - v̇* leads every joint back to the pose asked for, critically damped.
 //! - The wrench has no moment about the vertical: a sole pressed at its edge turns about it.
+//! - Knees stay over the feet as they are in the pose asked for: hip and foot leave a leg free to turn about the line
+//!   between them, and a leg that turned there would take the moment about the vertical that the trunk asks for.
 //! - A foot goes back to its place x_0 only as far as it is free of load (f from 0 to 1): friction holds the other.
 //! - Constraints are tasks of the same least squares with the weight [`FIRM`], not exact: a stretched leg could raise the
 //!   body only at an infinite rate of its knee, and an exact constraint would ask for that. The vertical force has little
@@ -28,6 +30,7 @@
 
 use dynamics::rnea::joint_force;
 use dynamics::{Model, State};
+use motion::ik::swivel;
 use motion::plant::Plant;
 use motion::rotation::log;
 use motion::skeleton::{quat_at, vec_at};
@@ -49,6 +52,9 @@ const POSTURE: f64 = 1.0;
 const ARM: f64 = 0.3;
 /// Weight of hips and ankles, whose angles follow from the root and the soles almost entirely.
 const LEG: f64 = 1e-2;
+/// Weight of knees that stay over their feet, and the natural frequency of their way back, rad/s.
+const KNEE: f64 = 100.0;
+const KNEE_RAD_S: f64 = 12.0;
 /// Length by which moments are compared with forces, and turns with displacements, m.
 const LENGTH: f64 = 0.3;
 /// Natural frequencies of the way back of joints, of a sole, and of the height, rad/s.
@@ -103,6 +109,8 @@ pub(super) struct WholeBody {
     later_q: Vec<f64>,
     later_v: Vec<f64>,
     drift: Vec<(Vec3, Vec3)>,
+    /// Axis of each knee, in the frame of its shin.
+    knees: Vec<Vec3>,
     /// Share of the load of each foot in the last step.
     shares: Vec<f64>,
 }
@@ -138,17 +146,26 @@ impl WholeBody {
             later_q: model.skeleton.zero_pose(),
             later_v: rates(),
             drift: Vec::new(),
+            knees: feet.iter().map(|f| swivel::knee_axis(&model.skeleton, &f.limb)).collect(),
             shares: vec![1.0; feet.len()],
         }
     }
 
-    /// Finds v̇; `state` is at the pose and velocity of `step`.
-    pub fn solve(&mut self, state: &mut State, step: &ControlStep<'_>, stance: &Stance<'_>, wanted: &Wanted) {
+    /// Finds v̇; `state` is at the pose and velocity of `step`, `asked` at those of its goal.
+    pub fn solve(
+        &mut self,
+        state: &mut State,
+        asked: &State,
+        step: &ControlStep<'_>,
+        stance: &Stance<'_>,
+        wanted: &Wanted,
+    ) {
         self.hessian.fill(0.0);
         self.gradient.fill(0.0);
         self.posture(step);
         self.momentum(state, step, stance.floor, wanted);
         self.soles(state, step, stance);
+        self.knees(state, asked, step, stance);
         // the posture tasks make the matrix positive definite; a smaller pivot is a rounding error
         let hessian = std::mem::take(&mut self.hessian);
         let factor = Cholesky::new_with_substitute(hessian, f64::MIN_POSITIVE).expect("a pivot of its own");
@@ -243,6 +260,38 @@ impl WholeBody {
                 });
                 self.task(FIRM, if k < 3 { linear[k] } else { angular[k - 3] * LENGTH });
             }
+        }
+    }
+
+    /// Legs do not turn about the line from ankle to hip, but with their feet: knees lie over them as in the goal.
+    fn knees(&mut self, state: &State, asked: &State, step: &ControlStep<'_>, stance: &Stance<'_>) {
+        let model = step.model;
+        for (f, foot) in stance.feet.iter().enumerate() {
+            let [upper, lower] = [foot.limb.upper, foot.limb.lower].map(|link| model.body_of[link].0);
+            let (shin, sole) = (&state.bodies[lower], &state.bodies[foot.body]);
+            let Some(line) = (state.bodies[upper].origin() - sole.origin()).try_normalize(1e-3) else {
+                continue;
+            };
+            let turned = sole.world.rotation * asked.bodies[foot.body].world.rotation.inverse();
+            // body and link frames differ by a constant, which both have
+            let knee = model.body_of[foot.limb.lower].1.rotation * self.knees[f];
+            let wanted = turned * (asked.bodies[lower].world.rotation * knee);
+            let Some(off) = swivel::angle_about(&line, &(shin.world.rotation * knee), &wanted) else {
+                continue;
+            };
+            let rate = line.dot(&(shin.omega - sole.omega));
+            let back = KNEE_RAD_S * (KNEE_RAD_S * off - 2.0 * rate);
+            self.row.fill(0.0);
+            let (row, column) = (&mut self.row, &self.column);
+            for (body, sign) in [(lower, 1.0), (foot.body, -1.0)] {
+                state.jacobian(model, body, &sole.origin(), |dof, _, angular| {
+                    if let Some(c) = column[dof] {
+                        row[c] += sign * line.dot(&angular);
+                    }
+                });
+            }
+            let drift = line.dot(&(self.drift[lower].1 - self.drift[foot.body].1));
+            self.task(KNEE, back - drift);
         }
     }
 
@@ -368,7 +417,8 @@ mod tests {
             let pressure = ground(&com) + Vec2::new(x, z);
             let force = Vec3::new(-0.8 * x * weight, weight, -0.8 * z * weight);
             let wanted = Wanted { force, pressure, above: 0.0, rise: 0.0 };
-            body.solve(&mut state, &step, &stance, &wanted);
+            let asked = state.clone();
+            body.solve(&mut state, &asked, &step, &stance, &wanted);
             let mut tau = still.clone();
             state.inverse_dynamics(&model, &still, &body.accel, &[], &mut tau);
             let root = vec_at(&tau, 0);

@@ -268,6 +268,16 @@ impl Plan {
         joint.map_or(1.0, |joint| joint.tension_at(row as f64 / self.goal.rate_hz))
     }
 
+    /// Whether the muscles of a tracked joint tense as much as the motion needs.
+    pub(crate) fn tenses(&self, link: usize) -> bool {
+        self.dense.joint(link).is_some_and(|joint| joint.tenses)
+    }
+
+    /// How much of the clip a joint of the script follows at the time of `row`, 0 to 1.
+    pub(crate) fn dense_level(&self, link: usize, row: usize) -> f64 {
+        self.dense.joint(link).map_or(0.0, |joint| joint.level_at(row as f64 / self.goal.rate_hz))
+    }
+
     /// Least stiffness for stability of a joint, at the planned pose before `row`.
     pub(crate) fn stability_need(&self, body: usize, row: usize) -> f64 {
         let at = self.stability.partition_point(|(r, _)| *r <= row);
@@ -303,7 +313,9 @@ fn impedances(
     let of = |(i, b): (usize, &dynamics::MovingBody)| {
         let asked = match &setup.tracks {
             // what is dense has its tension over time, the one before any element included
-            Some(t) if setup.dense.joint(b.link).is_none() => setup.tension * t.base_tension[b.link],
+            Some(t) if in_leg.contains(&i) || setup.dense.joint(b.link).is_none() => {
+                setup.tension * t.base_tension[b.link]
+            }
             Some(_) | None => setup.tension,
         };
         let used = if in_leg.contains(&i) { asked.clamp(LEG_TENSION.lo, LEG_TENSION.hi) } else { asked };

@@ -6,7 +6,7 @@
 use dynamics::Model;
 use motion::{Curve, Dof, Limits, Tracks, Value};
 
-use super::dense::Dense;
+use super::dense::{Dense, DenseJoint};
 use super::needs::PoseNeeds;
 use super::{JointControl, ModelFrom, Sagging};
 use crate::antagonist::SetPoints;
@@ -52,7 +52,7 @@ impl ScriptPlanner<'_> {
     pub(super) fn plan(mut self, joints: &mut [JointControl]) -> (Vec<Redirection>, Vec<Sagging>) {
         let start = self.needs.at(0.0);
         for (i, joint) in joints.iter_mut().enumerate() {
-            let dense = self.dense.joint(self.model().bodies[i].link).is_some();
+            let dense = self.dense.joint(self.model().bodies[i].link).is_some_and(DenseJoint::is_throughout);
             if matches!(joint, JointControl::Tracked) && !dense {
                 let target = rest_of(self.model(), i, self.goal.pose(0));
                 let tension = self.factor * self.tracks.base_tension[self.model().bodies[i].link];
@@ -122,14 +122,11 @@ impl ScriptPlanner<'_> {
     fn hold(&mut self, body: usize, target: Rest, tension: f64, need: &Need, at_s: f64) -> Drive {
         let stiffness = tension * self.scale.k1[body];
         let least = need.least();
-        if stiffness < least * (1.0 - 1e-9) {
-            self.sagging.push(Sagging {
-                link: self.model().bodies[body].link,
-                time_s: at_s,
-                lasts_s: 0.0,
-                tension: stiffness,
-                least,
-            });
+        let link = self.model().bodies[body].link;
+        // where it follows the clip, that is judged step by step
+        let follows = self.dense.joint(link).is_some_and(|joint| joint.level_at(at_s) > 0.0);
+        if stiffness < least * (1.0 - 1e-9) && !follows {
+            self.sagging.push(Sagging { link, time_s: at_s, lasts_s: 0.0, tension: stiffness, least });
         }
         Drive {
             stiffness,

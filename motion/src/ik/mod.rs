@@ -4,12 +4,14 @@
 //! |---|---|---|
 //! | [`two_bone`] | an arm or leg to a target, the swivel kept | closed form |
 //! | [`whole_body`] | points of any links to goals, the rest of the pose kept, joints within their limits | damped least squares |
+//! | [`swivel`] | where the knee of a planted leg lies | closed form |
 //! | [`axes`] | joint axes in the world: the columns of every point's Jacobian | |
 //!
 //! The way of a joint back to its limits is in [`limits`](crate::limits), the solution of normal equations in
 //! [`linear`](crate::linear).
 
 pub mod axes;
+pub mod swivel;
 pub mod two_bone;
 pub mod whole_body;
 

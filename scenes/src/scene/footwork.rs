@@ -99,7 +99,7 @@ impl Footwork {
         let at = &rest.world_from_end;
         let moved = at.translation.vector + Vec3::new(to[0], lift, to[1]);
         let rotation = exp(&(Vec3::y() * turn)) * at.rotation;
-        Plant { limb: rest.limb.clone(), world_from_end: Transform::from_parts(moved.into(), rotation) }
+        Plant { world_from_end: Transform::from_parts(moved.into(), rotation), ..rest.clone() }
     }
 }
 

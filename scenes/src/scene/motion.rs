@@ -13,6 +13,7 @@ use super::Check;
 use super::script::ScriptSpec;
 
 /// Where the motion of a scene comes from.
+#[expect(clippy::large_enum_variant, reason = "one per scene")]
 #[derive(Clone, Debug)]
 pub enum SceneSource {
     /// A script of poses.

@@ -17,7 +17,7 @@ impl Check<'_> {
     /// Gazes.
     pub(crate) fn gazes(&self, ron: &[ReactiveRon]) -> Result<Vec<Timed<Gaze>>, SceneError> {
         let one = |(i, r): (usize, &ReactiveRon)| {
-            let ReactiveRon::Gaze { at_m, from_s, to_s, blend_s, eyes, joints, clock } = r;
+            let ReactiveRon::Gaze { at_m, from_s, to_s, blend_s, eyes, joints, trunk, clock } = r;
             let at = format!("reactive[{i}]");
             for x in [at_m.0, at_m.1, at_m.2] {
                 self.within(&format!("{at}.at_m"), x, -1e4, 1e4, "m")?;
@@ -33,7 +33,9 @@ impl Check<'_> {
             };
             let blend_s = self.within(&format!("{at}.blend_s"), *blend_s, 0.0, 60.0, "s")?;
             let target = Vec3::new(at_m.0, at_m.1, at_m.2);
-            let settings = GazeSettings { target, from_s, to_s, blend_s };
+            let trunk = trunk.unwrap_or(if joints.is_none() { TRUNK } else { 0.0 });
+            let trunk = self.within(&format!("{at}.trunk"), trunk, 0.0, 1.0, "")?;
+            let settings = GazeSettings { target, from_s, to_s, blend_s, trunk };
             let links = match joints {
                 None => neck(self.character, eyes),
                 Some(names) => {
@@ -59,6 +61,9 @@ impl Check<'_> {
         ron.iter().enumerate().map(one).collect()
     }
 }
+
+/// Share of the spine's range of a gaze that says nothing about it.
+const TRUNK: f64 = 0.5;
 
 /// Joints of the neck that carry a site, from the trunk outward; empty if there is no such site.
 fn neck(character: &Character, eyes: &str) -> Vec<usize> {

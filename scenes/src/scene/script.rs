@@ -71,6 +71,7 @@ impl Check<'_> {
                 tension: a.tension,
                 duration_s: a.duration_s,
                 hold_s: a.hold_s,
+                timing: a.timing,
             };
             let mut cycles = Vec::new();
             for (j, c) in a.cycles.iter().enumerate() {
@@ -91,6 +92,7 @@ impl Check<'_> {
                 tension: n.tension,
                 duration_s: n.duration_s,
                 hold_s: n.hold_s,
+                timing: n.timing,
             };
             let properties = self.properties(&at, properties)?;
             let within = format!(" in Insert \"{}\"", n.name);
@@ -107,8 +109,13 @@ impl Check<'_> {
             let message = format!("{} repetitions; allowed: 1 to 10000", c.repetitions);
             return Err(self.source.error(&format!("{at}.repetitions"), message));
         }
-        let inherited =
-            PropertiesRon { curve: c.curve, tension: c.tension, duration_s: c.duration_s, hold_s: c.hold_s };
+        let inherited = PropertiesRon {
+            curve: c.curve,
+            tension: c.tension,
+            duration_s: c.duration_s,
+            hold_s: c.hold_s,
+            timing: c.timing,
+        };
         let mut poses = Vec::new();
         for (k, p) in c.poses.iter().enumerate() {
             poses.push(self.pose(&format!("{at}.poses[{k}]"), action, p)?);
@@ -137,8 +144,13 @@ impl Check<'_> {
             };
             value.properties = properties;
         }
-        let properties =
-            PropertiesRon { curve: p.curve, tension: p.tension, duration_s: p.duration_s, hold_s: p.hold_s };
+        let properties = PropertiesRon {
+            curve: p.curve,
+            tension: p.tension,
+            duration_s: p.duration_s,
+            hold_s: p.hold_s,
+            timing: p.timing,
+        };
         Ok(Pose { properties: self.properties(at, properties)?, values })
     }
 
@@ -232,6 +244,7 @@ impl Check<'_> {
             tension,
             duration_s: time("duration_s", p.duration_s)?,
             hold_s: time("hold_s", p.hold_s)?,
+            timing: p.timing.map(|t| t.0),
         })
     }
 

@@ -162,6 +162,8 @@ pub enum ReactiveRon {
         eyes: String,
         /// Balls that turn it; by default those of the neck.
         joints: Option<Vec<String>>,
+        /// Share of the spine's range by which the trunk goes along, 0 to 1; by default half, none where `joints` are given.
+        trunk: Option<f64>,
         /// Whose time it keeps.
         #[serde(default)]
         clock: Named<Clock>,

@@ -2,12 +2,12 @@
 
 use std::collections::BTreeMap;
 
-use motion::Curve;
 use motion::curve::CurveName;
+use motion::{Curve, Timing};
 use serde::Deserialize;
 use serde::de::VariantAccess;
 
-use super::word::{self, NamedWith, Variants};
+use super::word::{self, Named, NamedWith, Variants};
 use crate::Angle;
 
 fn one() -> i64 {
@@ -26,6 +26,8 @@ pub struct PropertiesRon {
     pub duration_s: Option<f64>,
     /// Hold time, s.
     pub hold_s: Option<f64>,
+    /// Timing.
+    pub timing: Option<Named<Timing>>,
 }
 
 impl Variants for Curve {
@@ -56,6 +58,8 @@ pub struct ActionRon {
     pub duration_s: Option<f64>,
     /// Inherited by its cycles, s.
     pub hold_s: Option<f64>,
+    /// Inherited by its cycles.
+    pub timing: Option<Named<Timing>>,
     /// Cycles, one after another.
     pub cycles: Vec<CycleRon>,
 }
@@ -75,6 +79,8 @@ pub struct CycleRon {
     pub duration_s: Option<f64>,
     /// Inherited by its poses, s.
     pub hold_s: Option<f64>,
+    /// Inherited by its poses.
+    pub timing: Option<Named<Timing>>,
     /// Poses, one after another.
     pub poses: Vec<PoseRon>,
 }
@@ -91,6 +97,8 @@ pub struct PoseRon {
     pub duration_s: Option<f64>,
     /// Inherited by its elements, s.
     pub hold_s: Option<f64>,
+    /// Inherited by its elements.
+    pub timing: Option<Named<Timing>>,
     /// End values of joints: degrees for hinges, `(x, y, z)` degrees for balls.
     #[serde(default)]
     pub set_deg: BTreeMap<String, Angle>,
@@ -121,6 +129,8 @@ pub struct InsertRon {
     pub duration_s: Option<f64>,
     /// Hold time, s.
     pub hold_s: Option<f64>,
+    /// Timing.
+    pub timing: Option<Named<Timing>>,
     /// As in a pose.
     #[serde(default)]
     pub set_deg: BTreeMap<String, Angle>,

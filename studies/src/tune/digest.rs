@@ -23,7 +23,7 @@ use dynamics::conditions::Carrying;
 use dynamics::{Push, RootMode};
 use motion::names::Word;
 use motion::{
-    BallLimits, Clip, Curve, Dof, Element, Floor, Joint, Limb, Limits, Plant, Quat, Range, Shape, Tilt,
+    BallLimits, Clip, Curve, Dof, Element, Floor, Joint, Knee, Limb, Limits, Plant, Quat, Range, Shape, Tilt,
     Tracks, Value, Vec3,
 };
 use motion::{Link, Transform};
@@ -127,13 +127,15 @@ fn tracks(d: &mut Digest, tracks: &Tracks) {
         });
         d.list(&track.elements, |d, element| {
             // its label says where it stands in the script: no cost depends on that
-            let Element { label: _, start_s, duration_s, hold_s, end, curve: shape, tension } = element;
+            let Element { label: _, start_s, duration_s, hold_s, end, curve: shape, tension, timing } =
+                element;
             d.numbers([start_s, duration_s, hold_s, tension]);
             match end {
                 Value::Scalar(x) => d.numbers([&0.0, x]),
                 Value::Rotation(q) => d.numbers(std::iter::once(&1.0).chain(q.as_vector())),
             }
             curve(d, shape);
+            d.text(timing.word());
         });
     });
 }
@@ -146,9 +148,10 @@ fn curve(d: &mut Digest, curve: &Curve) {
 }
 
 fn plant(d: &mut Digest, plant: &Plant) {
-    let Plant { limb: held, world_from_end } = plant;
+    let Plant { limb: held, world_from_end, knee } = plant;
     limb(d, held);
     transform(d, world_from_end);
+    d.count(usize::from(*knee == Knee::Follows));
 }
 
 fn limb(d: &mut Digest, limb: &Limb) {
@@ -289,9 +292,9 @@ fn conditions(d: &mut Digest, conditions: &Conditions) {
 }
 
 fn gaze(d: &mut Digest, gaze: &Gaze) {
-    let GazeSettings { target, from_s, to_s, blend_s } = gaze.settings();
+    let GazeSettings { target, from_s, to_s, blend_s, trunk } = gaze.settings();
     vector(d, target);
-    d.numbers([from_s, to_s, blend_s]);
+    d.numbers([from_s, to_s, blend_s, trunk]);
     let links: Vec<usize> = gaze.links().collect();
     d.list(&links, |d, link| d.count(*link));
     let sight = gaze.sight();

@@ -22,6 +22,8 @@ pub struct GazeReport {
     pub peak_deg: Option<f64>,
     /// When, s.
     pub peak_at_s: Option<f64>,
+    /// Least, degrees: of a point out of reach, how far it stays out.
+    pub least_deg: Option<f64>,
 }
 
 impl GazeReport {
@@ -31,7 +33,7 @@ impl GazeReport {
         let mut state = State::new(&model);
         let mut one = |gaze: &Gaze| {
             let s = gaze.settings();
-            let (mut sum, mut count, mut peak) = (0.0, 0.0, None);
+            let (mut sum, mut count, mut peak, mut least) = (0.0, 0.0, None, f64::INFINITY);
             for row in 0..trace.rows() {
                 let t = row as f64 / trace.rate_hz;
                 if gaze.weight(t) < 1.0 {
@@ -41,6 +43,7 @@ impl GazeReport {
                 let error = gaze.sight().error(&model, &state, &s.target).to_degrees();
                 sum += error * error;
                 count += 1.0;
+                least = least.min(error);
                 if peak.is_none_or(|(worst, _)| error > worst) {
                     peak = Some((error, t));
                 }
@@ -52,6 +55,7 @@ impl GazeReport {
                 rms_deg: peak.map(|_| f64::sqrt(sum / count)),
                 peak_deg: peak.map(|p| p.0),
                 peak_at_s: peak.map(|p| p.1),
+                least_deg: peak.map(|_| least),
             }
         };
         gazes.iter().map(&mut one).collect()

@@ -12,7 +12,10 @@ use serde::Serialize;
 use sim::Outcome;
 
 use crate::Take;
+use crate::ignored::Ignored;
+use crate::limited::Limited;
 use crate::perform::{Performed, PerformedSpan};
+use crate::possible::Shifted;
 use crate::results::disturbance_report::DisturbanceReport;
 pub use crate::results::dynamic_report::DynamicReport;
 use crate::results::feet::{FeetReport, feet};
@@ -158,6 +161,90 @@ pub struct KinematicReport {
     pub jerk_ratio: f64,
     /// Share of frames that joint limits changed.
     pub clamped_frames: f64,
+    /// Keys of the script that do not act.
+    pub ignored: Vec<IgnoredReport>,
+    /// Joints that their limits changed, the furthest first.
+    pub limited: Vec<LimitedReport>,
+    /// How the root gave way so that the feet can carry the body; null where it did not have to.
+    pub shifted: Option<ShiftedReport>,
+}
+
+/// An axis of a joint that its limit changed.
+#[derive(Clone, Debug, Serialize)]
+pub struct LimitedReport {
+    /// The joint.
+    pub joint: String,
+    /// `swing 1`, `swing 2` or `twist` of a ball; null for hinges and slides.
+    pub axis: Option<&'static str>,
+    /// The furthest asked, degrees (mm for slides).
+    pub asked: f64,
+    /// The limit, degrees (mm).
+    pub limit: f64,
+    /// First and last moment of each span, s.
+    pub spans_s: Vec<[f64; 2]>,
+    /// The whole sentence.
+    pub text: String,
+}
+
+impl LimitedReport {
+    fn new(l: &Limited) -> Self {
+        let unit = if l.slides { 1e3 } else { 1f64.to_degrees() };
+        Self {
+            joint: l.joint.clone(),
+            axis: l.axis,
+            asked: l.asked * unit,
+            limit: l.limit * unit,
+            spans_s: l.spans_s.iter().map(|&(from_s, to_s)| [from_s, to_s]).collect(),
+            text: l.to_string(),
+        }
+    }
+}
+
+/// A root that gave way so that the feet can carry the body.
+#[derive(Clone, Debug, Serialize)]
+pub struct ShiftedReport {
+    /// The furthest, mm.
+    pub by_mm: f64,
+    /// First moment, s.
+    pub from_s: f64,
+    /// Last moment, s.
+    pub to_s: f64,
+    /// From when on the motion still asks for a centre of pressure outside the soles, s; null where it does not.
+    pub outside_from_s: Option<f64>,
+    /// By how much at most, mm.
+    pub outside_mm: Option<f64>,
+    /// The whole sentence.
+    pub text: String,
+}
+
+impl ShiftedReport {
+    fn new(s: &Shifted) -> Self {
+        Self {
+            by_mm: 1e3 * s.by_m,
+            from_s: s.from_s,
+            to_s: s.to_s,
+            outside_from_s: s.outside.map(|(at_s, _)| at_s),
+            outside_mm: s.outside.map(|(_, by_m)| 1e3 * by_m),
+            text: s.to_string(),
+        }
+    }
+}
+
+/// Keys of a script that do not act, for one reason.
+#[derive(Clone, Debug, Serialize)]
+pub struct IgnoredReport {
+    /// Joints and coordinates.
+    pub keys: Vec<String>,
+    /// Labels of the poses that set them.
+    pub poses: Vec<String>,
+    /// The whole sentence.
+    pub text: String,
+}
+
+impl IgnoredReport {
+    fn new(ignored: &Ignored) -> Self {
+        Self { keys: ignored.keys.clone(), poses: ignored.poses.clone(), text: ignored.to_string() }
+    }
 }
 
 impl Report {
@@ -188,6 +275,9 @@ impl Report {
                 jerk_rms_m_s3: jerk,
                 jerk_ratio: if plain_jerk > 0.0 { jerk / plain_jerk } else { 1.0 },
                 clamped_frames: take.asked.clamped,
+                ignored: take.asked.ignored.iter().map(IgnoredReport::new).collect(),
+                limited: take.asked.limited.iter().map(LimitedReport::new).collect(),
+                shifted: take.asked.shifted.as_ref().map(ShiftedReport::new),
             },
             disturbances: DisturbanceReport::new(take),
             dynamic: outcome.map(|o| DynamicReport::new(take, o)),

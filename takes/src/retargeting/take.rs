@@ -12,7 +12,7 @@ use scenes::SceneError;
 use scenes::scene::{RetargetSpec, Scene};
 
 use super::{OpenTake, Performance, RetargetingError, Session};
-use crate::clip::limited;
+use crate::clip::within_limits;
 use crate::clip_edits;
 use crate::conditions::begin_in_time;
 use crate::error::{MOST_STEPS, too_long};
@@ -61,13 +61,14 @@ pub(crate) fn take(
     let contacts = plan(&done.phases);
     let mut log = EditLog::default();
     let (mut clip, mut contacts, mut times, mut clamped) = (done.clip, contacts, TimeMap::identity(), 0.0);
+    let mut limited = Vec::new();
     if !ask.no_edits {
         let motion = Motion { contacts: contacts.clone(), floor_m: Some(0.0), ..Motion::of(clip.clone()) };
         let edited = clip_edits::apply(scene, motion, &mut log)?;
         if edited.changed {
             contacts = edited.motion.contacts;
             times = edited.motion.times;
-            (clip, clamped) = limited(edited.motion.clip);
+            (clip, clamped, limited) = within_limits(edited.motion.clip);
         }
     }
     let take = Take {
@@ -90,6 +91,9 @@ pub(crate) fn take(
             stance: None,
             times,
             clamped,
+            ignored: Vec::new(),
+            limited,
+            shifted: None,
         },
         unedited,
         log,

@@ -6,9 +6,11 @@
 //! the load of the head as the trunk carries it now (RNEA at the simulated state, with the measured accelerations) and
 //! the damping of the way the neck has to go fed forward, so that even a relaxed neck does not lag.
 //!
-//! In: a body, a chain, a point of sight, a target. Out: drives of the chain. Out of reach (behind the back) the
-//! limits are kept and the line of sight misses. Balls only: other joints of a chain are refused. World frame; the
+//! In: a body, a chain, a point of sight, a target. Out: drives of the chain, and of the spine where the trunk goes along. Out of
+//! reach (behind the back) neck and trunk turn as far as they may, the limits are kept, and the line of sight misses: `reach`. Balls only: other joints of a chain are refused. World frame; the
 //! target is fixed in the world.
+
+mod reach;
 
 use bodies::Character;
 use dynamics::rnea::joint_force;
@@ -23,6 +25,8 @@ use crate::reactive::{
 };
 use crate::{Drive, Rest, rest_of};
 
+use reach::{Aim, Reach};
+
 /// What to look at, when.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct GazeSettings {
@@ -34,6 +38,8 @@ pub struct GazeSettings {
     pub to_s: f64,
     /// How long it takes to turn there and away, s; shorter is more startled.
     pub blend_s: f64,
+    /// Share of the spine's range by which the trunk goes along where the neck does not suffice, 0 to 1.
+    pub trunk: f64,
 }
 
 /// Why a body cannot gaze.
@@ -110,6 +116,7 @@ pub struct Gaze {
     settings: GazeSettings,
     sight: Sight,
     chain: Vec<Turning>,
+    reach: Reach,
     state: State,
     measured: FilteredAcceleration,
     pose: Vec<f64>,
@@ -174,6 +181,7 @@ impl Gaze {
             settings,
             sight,
             chain,
+            reach: Reach::new(character, model, links, settings.trunk),
             state: State::new(model),
             measured: FilteredAcceleration::default(),
             pose: q.clone(),
@@ -213,8 +221,16 @@ impl Gaze {
         smoothstep((t - s.from_s) / blend) * (1.0 - away)
     }
 
-    /// Turns the chain in `pose` towards the target: the goal's joints, moved by `weight` of what is missing.
-    fn solve(&mut self, model: &Model, pose: &mut [f64], goal: &[f64], weight: f64) {
+    /// Which way to look at the time `t_s`, in `pose`, when `goal` is asked.
+    fn aim(&mut self, model: &Model, pose: &[f64], goal: &[f64], t_s: f64, step: bool) -> Aim {
+        self.state.update_pose(model, pose);
+        let (eyes, _) = self.sight.line(model, &self.state);
+        let way = (eyes, self.settings.target);
+        self.reach.aim(model, &mut self.state, (pose, goal), way, t_s, step)
+    }
+
+    /// Turns the chain in `pose` as `aim` says: the goal's joints, moved by `weight` of what is missing.
+    fn solve(&mut self, model: &Model, pose: &mut [f64], goal: &[f64], aim: &Aim, weight: f64) {
         let skeleton = &model.skeleton;
         let asked: Vec<Quat> = self.chain.iter().map(|t| skeleton.rotation(goal, t.link)).collect();
         for (t, r) in self.chain.iter().zip(&asked) {
@@ -225,7 +241,8 @@ impl Gaze {
             for (i, t) in self.chain.iter().enumerate() {
                 self.state.update_pose(model, pose);
                 let (from, direction) = self.sight.line(model, &self.state);
-                let missing = log(&between(&direction, &(self.settings.target - from)));
+                let wanted = aim.direction.unwrap_or(self.settings.target - from);
+                let missing = log(&between(&direction, &wanted));
                 let turn = in_zero_frame(&self.state, t.body, &(missing / (n - i) as f64));
                 let r = exp(&turn) * skeleton.rotation(pose, t.link);
                 let r = t.limits.as_ref().map_or(r, |l| l.clamp(&r));
@@ -234,7 +251,8 @@ impl Gaze {
         }
         for (t, r) in self.chain.iter().zip(&asked) {
             let found = skeleton.rotation(pose, t.link);
-            skeleton.set_rotation(pose, t.link, &slerp(r, &found, weight));
+            let r = slerp(r, &found, weight);
+            skeleton.set_rotation(pose, t.link, &t.limits.as_ref().map_or(r, |l| l.clamp(&r)));
         }
     }
 }
@@ -245,6 +263,7 @@ impl Reactive for Gaze {
         let weight = self.weight(step.time_s);
         if weight <= 0.0 {
             self.chain.iter_mut().for_each(|t| (t.rate, t.acceleration) = (None, Vec3::zeros()));
+            self.reach.forget();
             return Ok(());
         }
         let skeleton = &step.model.skeleton;
@@ -258,9 +277,11 @@ impl Reactive for Gaze {
         skeleton.integrate(&mut ahead, step.v, AHEAD);
         goal.copy_from_slice(step.goal_q);
         skeleton.integrate(&mut goal, step.goal_v, AHEAD);
-        self.solve(step.model, &mut pose, step.goal_q, weight);
-        let later = self.weight(step.time_s + AHEAD);
-        self.solve(step.model, &mut ahead, &goal, later);
+        let aim = self.aim(step.model, &pose, step.goal_q, step.time_s, true);
+        self.solve(step.model, &mut pose, step.goal_q, &aim, weight);
+        let soon_s = step.time_s + AHEAD;
+        let soon = self.aim(step.model, &ahead, &goal, soon_s, false);
+        self.solve(step.model, &mut ahead, &goal, &soon, self.weight(soon_s));
 
         // accelerations of the load: the trunk's as measured, those of the chain's joints as their path needs them
         self.vd.copy_from_slice(&self.measured.vd);
@@ -283,6 +304,13 @@ impl Reactive for Gaze {
             let target = Rest::ball(skeleton.rotation(&pose, t.link));
             let rest = step.set_points[t.body].rest(&target, load, stiffness);
             drives[t.body].rest = drives[t.body].rest.blend(&rest, weight);
+        }
+        let turn = aim.up * (aim.trunk * weight / self.reach.spine.len().max(1) as f64);
+        for s in &self.reach.spine {
+            if let Rest::Ball { target, .. } = &mut drives[s.body].rest {
+                let turned = exp(&in_zero_frame(&self.state, s.body, &turn)) * *target;
+                *target = s.limits.as_ref().map_or(turned, |l| l.clamp(&turned));
+            }
         }
         (self.pose, self.ahead, self.goal) = (pose, ahead, goal);
         Ok(())
