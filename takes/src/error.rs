@@ -7,6 +7,8 @@ use motion::ik::IkError;
 use scenes::SceneError;
 use scenes::library::UnknownName;
 
+use crate::opening::MOST_NESTED;
+
 /// Why there is no take.
 #[derive(Debug, thiserror::Error)]
 pub enum TakeError {
@@ -81,6 +83,20 @@ pub enum TakeError {
         path: String,
         /// Why.
         source: IkError,
+    },
+    /// A file that is named by what it names.
+    #[error("`{file}` refers to itself: {chain}", file = chain[0], chain = chain.join(" → "))]
+    Cycle {
+        /// The files from it to itself.
+        chain: Vec<String>,
+    },
+    /// Files that name files, too many in a row.
+    #[error(
+        "`{path}` is opened for a file that is opened for another, and so on; allowed: up to {MOST_NESTED} files in a row"
+    )]
+    Nested {
+        /// The last of them.
+        path: String,
     },
     /// Something else than a scene or clip.
     #[error("{0}: neither a scene (.ron) nor a clip ({clips}){models}", models = models(_0), clips = formats::table::endings(|f| f.read_clip.is_some()))]

@@ -8,6 +8,7 @@
 //! | module | holds |
 //! |---|---|
 //! | [`mod@open`] | a file, a text or a clip to a take |
+//! | `opening` | files that name files |
 //! | [`ask`], [`error`] | what a take is opened from; why there is none |
 //! | [`take`] | the take: body, source, motion asked for, conditions |
 //! | [`conditions`] | what acts on the body |
@@ -35,6 +36,7 @@ pub mod ignored;
 pub mod inspect;
 pub mod limited;
 pub mod open;
+mod opening;
 pub mod perform;
 mod possible;
 pub mod progress;

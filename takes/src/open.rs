@@ -8,12 +8,15 @@
 //! human    ─→ retargeted ─────────────┘
 //! ```
 
+use std::path::Path;
+
 use scenes::library::{self, Kind};
 use scenes::scene::{self, Scene};
 use scenes::{ConditionsSpec, SceneSource, Source as Text};
 
 use crate::ask::is_ron;
 use crate::clip::ClipInput;
+use crate::opening::Opening;
 use crate::{Ask, Input, Take, TakeError, clip, retargeting, script};
 
 /// Opens a take.
@@ -22,17 +25,7 @@ use crate::{Ask, Input, Take, TakeError, clip, retargeting, script};
 /// [`TakeError`]: anything wrong with the input and the files it names.
 pub fn open(input: impl Into<Input>, ask: &Ask) -> Result<Take, TakeError> {
     match input.into() {
-        Input::Path(path) => {
-            let path = library::resolve(&path, &[Kind::Scene])?;
-            if is_ron(&path) {
-                of_scene(scene::read(&path)?, ask)
-            } else if formats::table::is_clip(&path) {
-                let input = ClipInput::read(&path, ask)?;
-                clip::take(input, ConditionsSpec::of_clip(), None, ask)
-            } else {
-                Err(TakeError::Kind(path.display().to_string()))
-            }
-        }
+        Input::Path(path) => of_path(&path, ask, &Opening::new(of_path)),
         Input::Text { ron, base } => {
             let source = Text::new(base.join("scene.ron"), ron);
             of_scene(scene::parse(source, "scene".into())?, ask)
@@ -44,11 +37,31 @@ pub fn open(input: impl Into<Input>, ask: &Ask) -> Result<Take, TakeError> {
     }
 }
 
+/// The take of a file, opened because of others.
+pub(crate) fn of_path(path: &Path, ask: &Ask, by: &Opening) -> Result<Take, TakeError> {
+    let path = library::resolve(path, &[Kind::Scene])?;
+    if is_ron(&path) {
+        let opening = by.within(&path)?;
+        of_scene_in(scene::read(&path)?, ask, &opening)
+    } else if formats::table::is_clip(&path) {
+        let input = ClipInput::read(&path, ask)?;
+        clip::take(input, ConditionsSpec::of_clip(), None, ask)
+    } else {
+        Err(TakeError::Kind(path.display().to_string()))
+    }
+}
+
 /// The take of a checked scene.
 ///
 /// # Errors
 /// As [`open()`].
-pub fn of_scene(mut scene: Scene, ask: &Ask) -> Result<Take, TakeError> {
+pub fn of_scene(scene: Scene, ask: &Ask) -> Result<Take, TakeError> {
+    let path = scene.source.path().to_owned();
+    of_scene_in(scene, ask, &Opening::new(of_path).within(&path)?)
+}
+
+/// The take of a checked scene, which `opening` has as the youngest file.
+fn of_scene_in(mut scene: Scene, ask: &Ask, opening: &Opening) -> Result<Take, TakeError> {
     ask.overrides.apply(&mut scene.conditions.physics, &scene.character);
     if let Some(engine) = &ask.engine {
         scene.conditions.engine.clone_from(engine);
@@ -59,8 +72,6 @@ pub fn of_scene(mut scene: Scene, ask: &Ask) -> Result<Take, TakeError> {
             let input = ClipInput::read_for(path, &scene, ask)?;
             clip::take(input, scene.conditions.clone(), Some(&scene), ask)
         }
-        SceneSource::Retarget(spec) => {
-            Ok(retargeting::take::take(&scene, spec, ask, &|path, ask| open(path, ask))?)
-        }
+        SceneSource::Retarget(spec) => Ok(retargeting::take::take(&scene, spec, ask, opening)?),
     }
 }

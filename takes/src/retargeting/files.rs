@@ -7,10 +7,14 @@ use std::path::Path;
 use formats::bvh::ImportOptions;
 use retarget::Puppet;
 
-use super::{KeyPoseFile, OpenTake, Performance, RetargetingError, Session, key_pose_file};
-use crate::open::open;
+use super::{KeyPoseFile, Performance, RetargetingError, Session, key_pose_file};
+use crate::open::of_path;
+use crate::opening::Opening;
 
-const OPEN: OpenTake<'static> = &|path, ask| open(path, ask);
+/// Nothing was opened before.
+fn first() -> Opening<'static> {
+    Opening::new(of_path)
+}
 
 impl Performance {
     /// Opens a scene or a clip; the clip's body is guessed from its skeleton.
@@ -30,7 +34,7 @@ impl Performance {
         body: Option<&Path>,
         import: &ImportOptions,
     ) -> Result<Self, RetargetingError> {
-        Self::opened_by(OPEN, path, body, import)
+        Self::opened_by(&first(), path, body, import)
     }
 }
 
@@ -42,7 +46,7 @@ impl KeyPoseFile {
     /// pose with two character poses, a moment that a performance does not have, unknown joints, angles beyond
     /// a limit, performances of another skeleton.
     pub fn open(path: &Path, puppet: &Puppet) -> Result<Self, RetargetingError> {
-        key_pose_file::read(path, puppet, OPEN)
+        key_pose_file::read(path, puppet, &first())
     }
 }
 
@@ -69,6 +73,6 @@ impl Session {
         character: &Path,
         key_poses: Option<&Path>,
     ) -> Result<Self, RetargetingError> {
-        Self::opened_by(OPEN, performance, character, key_poses)
+        Self::opened_by(&first(), performance, character, key_poses)
     }
 }

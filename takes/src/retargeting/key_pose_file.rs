@@ -23,7 +23,9 @@ use retarget::key_poses::{KeyPose, KeyPoses};
 use retarget::{Puppet, RetargetError};
 use serde::Deserialize;
 
-use super::{OpenTake, Performance, RetargetingError};
+use crate::opening::Opening;
+
+use super::{Performance, RetargetingError};
 use scenes::angle::{deg_from_quat, quat_from_deg};
 use scenes::{Angle, SceneError, Source};
 
@@ -64,9 +66,10 @@ const HIGHEST: f64 = 10.0;
 /// on three axes makes of an angle, rad.
 const SLACK: f64 = 0.0026;
 
-/// As [`KeyPoseFile::open`]; performances are opened by `open`.
-pub(crate) fn read(path: &Path, puppet: &Puppet, open: OpenTake) -> Result<KeyPoseFile, RetargetingError> {
+/// As [`KeyPoseFile::open`], because of other files.
+pub(crate) fn read(path: &Path, puppet: &Puppet, by: &Opening) -> Result<KeyPoseFile, RetargetingError> {
     let source = Source::read(path)?;
+    let opening = &by.within(path)?;
     let ron: KeyPosesRon = source.parse()?;
     let mut performances = BTreeMap::new();
     for (name, file) in &ron.performances {
@@ -75,7 +78,7 @@ pub(crate) fn read(path: &Path, puppet: &Puppet, open: OpenTake) -> Result<KeyPo
             continue;
         }
         let beside = source.beside(&at, "performance", file)?;
-        let mut performance = Performance::opened_by(open, &beside, None, &ImportOptions::default())
+        let mut performance = Performance::opened_by(opening, &beside, None, &ImportOptions::default())
             .map_err(|e| source.error(&at, format!("performance `{name}`: {e}")))?;
         performance.make_counterparts(puppet);
         performances.insert(name.clone(), performance);

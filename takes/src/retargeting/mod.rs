@@ -23,8 +23,9 @@ use motion::Clip;
 use retarget::contacts::Phase;
 use retarget::{Mapping, Options, Performer, Puppet, RetargetError, Retargeted};
 
+use crate::opening::Opening;
 use crate::take::{Body, ClipSource};
-use crate::{Ask, Take, TakeError};
+use crate::{Ask, TakeError};
 use scenes::SceneError;
 use scenes::character_file::{self, CharacterFile};
 use scenes::contact_file;
@@ -70,10 +71,6 @@ pub enum RetargetingError {
     },
 }
 
-/// How the take of a performance is opened: by [`crate::open()`]. It is handed in, because that opens retargeted motions by this
-/// module.
-pub(crate) type OpenTake<'a> = &'a dyn Fn(&Path, &Ask) -> Result<Take, TakeError>;
-
 /// A human motion and whose it is.
 #[derive(Clone, Debug)]
 pub struct Performance {
@@ -92,15 +89,15 @@ pub struct Performance {
 }
 
 impl Performance {
-    /// Opened by `open`; a body is a clip's.
+    /// Opened because of others; a body is a clip's.
     pub(crate) fn opened_by(
-        open: OpenTake,
+        opening: &Opening,
         path: &Path,
         body: Option<&Path>,
         import: &ImportOptions,
     ) -> Result<Self, RetargetingError> {
         let ask = Ask { body: body.map(Path::to_owned), import: *import, ..Ask::default() };
-        let take = open(path, &ask)?;
+        let take = opening.take(path, &ask)?;
         let performer = Performer::new(take.body.character.as_ref().clone()).map_err(|source| {
             RetargetingError::Retarget { path: path.display().to_string(), source: Box::new(source) }
         })?;
@@ -186,9 +183,9 @@ pub struct Session {
 }
 
 impl Session {
-    /// Of a performance; what the key poses name is opened by `open`.
+    /// Of a performance; `opening` is what it is opened because of.
     pub(crate) fn opened_by(
-        open: OpenTake,
+        opening: &Opening,
         mut performance: Performance,
         character: &Path,
         key_poses: Option<&Path>,
@@ -204,7 +201,7 @@ impl Session {
                 return Err(RetargetingError::NoKeyPoses { character, looked: beside });
             }
         };
-        let key_poses = key_pose_file::read(&path, &actor.puppet, open)?;
+        let key_poses = key_pose_file::read(&path, &actor.puppet, opening)?;
         Ok(Self { performance, actor, key_poses })
     }
 

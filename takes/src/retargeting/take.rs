@@ -11,15 +11,16 @@ use retarget::contacts::Phase;
 use scenes::SceneError;
 use scenes::scene::{RetargetSpec, Scene};
 
-use super::{OpenTake, Performance, RetargetingError, Session};
+use super::{Performance, RetargetingError, Session};
 use crate::clip::within_limits;
 use crate::clip_edits;
 use crate::conditions::begin_in_time;
 use crate::error::{MOST_STEPS, too_long};
+use crate::opening::Opening;
 use crate::take::{Asked, Body, RetargetSource, Source, Take};
 use crate::{Ask, Conditions};
 
-/// The take of a retargeted motion. `open` opens its performance and those of the key poses.
+/// The take of a retargeted motion. `opening` has the scene as its youngest file.
 ///
 /// # Errors
 /// Anything wrong with the performance, the key poses, the contact phases or the edits, at its place.
@@ -27,16 +28,19 @@ pub(crate) fn take(
     scene: &Scene,
     spec: &RetargetSpec,
     ask: &Ask,
-    open: OpenTake,
+    opening: &Opening,
 ) -> Result<Take, SceneError> {
     let fault = |e: RetargetingError| match e {
         RetargetingError::Scene(e) => e, // it has a place of its own
         e => scene.source.error("motion", e.to_string()),
     };
     let import = ImportOptions::default();
-    let session = Performance::opened_by(open, &spec.of, None, &import)
-        .and_then(|p| Session::opened_by(open, p, &spec.to, spec.key_poses.as_deref()))
-        .map_err(fault)?;
+    let performance = Performance::opened_by(opening, &spec.of, None, &import).map_err(|e| match e {
+        RetargetingError::Take(e) => scene.source.error("motion.of", e.to_string()),
+        e => fault(e),
+    })?;
+    let session =
+        Session::opened_by(opening, performance, &spec.to, spec.key_poses.as_deref()).map_err(fault)?;
     let mut options = spec.options.clone();
     options.rate_hz = scene.rate_hz.or(options.rate_hz);
     let physics = &scene.conditions.physics;
