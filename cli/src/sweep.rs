@@ -3,8 +3,9 @@
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
+use studies::tune::journal::Head;
 use studies::tune::sweep_results::{self, TABLE};
-use studies::tune::{self, Cost, Grid, Sample, SweepError, journal, sweep};
+use studies::tune::{self, Cost, Grid, Sample, SweepError, sweep};
 use takes::Take;
 use takes::results::folder::{Overwrite, write_file};
 
@@ -34,9 +35,8 @@ pub fn run(args: &TuneArgs, take: &Take) -> Result<(), Failure> {
     let identity = grid.identity(&take.name, &tune::digest(take, &take.tune));
     let dir = folder(args, take)?;
     let path = dir.join(TABLE);
-    if args.fresh && path.exists() {
-        std::fs::remove_file(&path)
-            .map_err(|e| Failure::run(format!("cannot remove {}: {e}", path.display())))?;
+    if args.fresh {
+        sweep::forget(&path)?;
     }
     let progress = progress();
     progress.part("sweeping");
@@ -66,20 +66,18 @@ pub fn merge(args: &TuneArgs, take: &Take) -> Result<(), Failure> {
         e => e.into(),
     })?;
     let digest = tune::digest(take, &take.tune);
-    if !table.identity.ends_with(&format!("input={digest}")) {
+    if !table.head.identity.ends_with(&format!("input={digest}")) {
         return Err(Failure::Input(format!(
             "the tables are of another scene than {}, or of an earlier state of it\n  found:  {}\n  needed: … input={digest}",
-            take.name, table.identity
+            take.name, table.head.identity
         )));
     }
     let dir = folder(args, take)?;
-    let mut text = format!("# {}\n{}\n", table.identity, table.head);
-    for (i, s) in &all {
-        text += &(journal::line(*i, s) + "\n");
-    }
-    write_file(&dir.join(TABLE), text.as_bytes(), Overwrite::Allow, &args.merge)?;
-    let expected = sweep::samples_of(&table.identity);
-    let text = match expected {
+    let path = dir.join(TABLE);
+    sweep::check_replaceable(&path)?;
+    let text = table.head.table(all.iter().map(|(i, s)| (*i, s)));
+    write_file(&path, text.as_bytes(), Overwrite::Allow, &args.merge)?;
+    let text = match sweep::samples_of(&table.head.identity) {
         Some(n) if n > all.len() => {
             format!("{}: {} of {n} samples; {} are missing\n", take.name, all.len(), n - all.len())
         }
@@ -92,11 +90,11 @@ pub fn merge(args: &TuneArgs, take: &Take) -> Result<(), Failure> {
 fn finish(
     args: &TuneArgs,
     dir: &Path,
-    head: &str,
+    head: &Head,
     all: &BTreeMap<usize, Sample>,
     mut text: String,
 ) -> Result<(), Failure> {
-    let names: Vec<&str> = journal::parameters_of(head);
+    let names = head.parameters();
     let best = sweep_results::best(all);
     let mut files = vec![dir.join(TABLE)];
     if !args.no_plots && !all.is_empty() {

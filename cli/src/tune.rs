@@ -41,7 +41,15 @@ pub fn run(args: &TuneArgs) -> Result<(), Failure> {
     search(args, &take)
 }
 
+/// Points of each cost slice, unless the person says how many.
+const SLICES: usize = 7;
+
 fn search(args: &TuneArgs, take: &Take) -> Result<(), Failure> {
+    if args.no_plots && args.slices.is_some_and(|n| n > 0) {
+        return Err(Failure::Input(
+            "--slices are figures, and --no-plots draws none; allowed: one of them".into(),
+        ));
+    }
     let mut spec = take.tune.clone();
     if !args.parameters.is_empty() {
         spec.parameters = tune::named(&args.parameters, |_, name| {
@@ -67,7 +75,7 @@ fn search(args: &TuneArgs, take: &Take) -> Result<(), Failure> {
     let session = Session {
         spec,
         search,
-        slices: args.slices,
+        slices: args.slices.unwrap_or(SLICES),
         directions: args.directions,
         figures: !args.no_plots,
         fresh: args.fresh,

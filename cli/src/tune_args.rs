@@ -20,7 +20,7 @@ pub struct TuneArgs {
     #[arg(long, value_name = "SOLVER", value_parser = word::<SolverKind>(), default_value = SolverKind::default().word())]
     pub solver: SolverKind,
     /// Seed of all random numbers
-    #[arg(long, value_name = "N", default_value_t = 1)]
+    #[arg(long, value_name = "N", default_value_t = 1, conflicts_with_all = ["sweep", "merge"])]
     pub seed: u64,
     /// Where the search starts: at the scene's values, or anywhere in the ranges (by the seed)
     #[arg(long, value_parser = word::<SearchStart>(), default_value = SearchStart::default().word())]
@@ -35,13 +35,13 @@ pub struct TuneArgs {
     #[arg(long, value_name = "AXIS", conflicts_with_all = ["solver", "start", "evaluations", "parameters"])]
     pub sweep: Vec<String>,
     /// Of a sweep only the i-th of n parts, from 1: one job of an array
-    #[arg(long, value_name = "i/n", requires = "sweep")]
+    #[arg(long, value_name = "i/n", requires = "sweep", conflicts_with = "merge")]
     pub shard: Option<String>,
     /// Merge the tables of a sweep's jobs into one
     #[arg(long, value_name = "FILE.csv", num_args = 1.., conflicts_with_all = ["sweep", "solver", "start", "evaluations", "parameters"])]
     pub merge: Vec<PathBuf>,
     /// Print the parameters there are: unit, default, range, and what turning them does
-    #[arg(long)]
+    #[arg(long, exclusive = true)]
     pub list: bool,
     /// Patch of tension and balance to start from
     #[arg(long, value_name = "FILE.ron")]
@@ -50,13 +50,13 @@ pub struct TuneArgs {
     #[arg(long, value_name = "ENGINE", help = crate::args::engine_help())]
     pub engine: Option<String>,
     /// Forget what an earlier run left in the folder instead of going on with it
-    #[arg(long)]
+    #[arg(long, conflicts_with = "merge")]
     pub fresh: bool,
-    /// Points of each cost slice; 0 draws none
-    #[arg(long, value_name = "N", default_value_t = 7, value_parser = slices)]
-    pub slices: usize,
+    /// Points of each cost slice; 0 draws none [default: 7]
+    #[arg(long, value_name = "N", value_parser = slices, conflicts_with_all = ["sweep", "merge"])]
+    pub slices: Option<usize>,
     /// Directions of the push maps before and after; 0 makes none
-    #[arg(long, value_name = "N", default_value_t = 16, value_parser = directions)]
+    #[arg(long, value_name = "N", default_value_t = 16, value_parser = directions, conflicts_with_all = ["sweep", "merge"])]
     pub directions: usize,
     /// Folder to write into [default: out/NAME-tune, out/NAME-sweep]
     #[arg(short, long, value_name = "DIR")]

@@ -7,7 +7,8 @@ use scenes::TuneSpec;
 use scenes::tune_spec::FixedPush;
 use scenes::{Patch, Source, scene};
 use sim::EngineEntry;
-use studies::tune::{self, Cost, Grid, Search, Shard, SolverKind, sweep};
+use studies::tune::journal::Head;
+use studies::tune::{self, Cost, Grid, Sample, Search, Shard, SolverKind, sweep};
 use takes::open::of_scene;
 use takes::{Ask, Take, TakeError};
 
@@ -115,7 +116,7 @@ fn shards_merge_to_the_whole() {
 
     let (table, merged) = sweep::merge(&parts).unwrap();
     let expected = sweep::read(&whole, Some(&identity)).unwrap();
-    assert_eq!(table.identity, expected.identity);
+    assert_eq!(table.head, expected.head);
     assert_eq!(merged.into_iter().collect::<Vec<_>>(), expected.samples);
     // the last axis runs fastest
     assert_eq!(expected.samples[1].1.values, [0.0, 2.0]);
@@ -125,11 +126,29 @@ fn shards_merge_to_the_whole() {
     let theirs = other.identity("stand", &tune::digest(&take, &spec));
     let e = sweep::run(&cost, &other, Shard::WHOLE, &theirs, &whole, &mut |_| {}).unwrap_err();
     assert!(e.to_string().contains("is of another sweep"), "{e}");
-    let text = std::fs::read_to_string(&whole).unwrap();
-    let cost_of_0 = expected.samples[0].1.cost.to_string();
-    std::fs::write(&parts[2], text.replacen(&cost_of_0, "7.5", 1)).unwrap();
+    let dear = Sample { cost: 7.5, ..expected.samples[0].1.clone() };
+    std::fs::write(&parts[2], expected.head.table([(0, &dear)])).unwrap();
     let e = sweep::merge(&parts).unwrap_err().to_string();
     assert!(e.contains("sample 0 has two costs"), "{e}");
+
+    // a cost that somebody wrote, a sample beyond the grid, a table of something else
+    let text = std::fs::read_to_string(&whole).unwrap();
+    let beyond = expected.head.table([(6, &dear)]);
+    for (text, words) in [
+        (text.replacen(&expected.samples[0].1.cost.to_string(), "7.5", 1), "line 3 was changed"),
+        (beyond, "sample 6 of a sweep of 6 samples"),
+        (text.replacen("contrapposto sweep", "contrapposto tune", 1), "line 3 was changed"),
+        (Head::new("contrapposto tune of stand", &grid.parameters()).table([]), "no table of a sweep"),
+    ] {
+        std::fs::write(&parts[2], text).unwrap();
+        let e = sweep::merge(&parts[2..]).unwrap_err();
+        assert!(e.is_input() && e.to_string().contains(words), "{e}");
+    }
+    // nobody's file is removed for its name
+    std::fs::write(&parts[2], "mine").unwrap();
+    assert!(sweep::forget(&parts[2]).is_err() && parts[2].exists());
+    sweep::forget(&whole).unwrap();
+    assert!(!whole.exists());
     std::fs::remove_dir_all(dir).unwrap();
 }
 

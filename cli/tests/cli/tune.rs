@@ -119,6 +119,18 @@ fn slow_a_killed_search_goes_on() {
         assert_eq!(text(&place, &format!("whole/{file}")), text(&place, &format!("cut/{file}")), "{file}");
     }
 
+    // a cost that nobody computed is not believed, nor searched on from
+    let written = text(&place, "cut/samples.csv");
+    let row = written.lines().nth(2).unwrap().to_owned();
+    let cost = row.split(',').nth(1).unwrap();
+    place.write("cut/samples.csv", &written.replacen(cost, "0.000001", 1));
+    let edited = tune(&place, &[&args[..], &["--out", "cut"]].concat());
+    assert_eq!(edited.code, 2, "{}", edited.stderr);
+    for words in ["samples.csv", "changed"] {
+        assert!(edited.stderr.contains(words), "{words}: {}", edited.stderr);
+    }
+    place.write("cut/samples.csv", &written);
+
     let before = place.files("cut");
     let other = tune(&place, &[&args[..], &["--out", "cut", "--seed", "2"]].concat());
     assert_eq!(other.code, 2);
@@ -171,7 +183,15 @@ fn bad_input_is_told() {
         (vec!["stand.ron", "--sweep", "presure=0..1:3"], "did you mean `pressure`?"),
         (vec!["stand.ron", "--sweep", "pressure=0.5..0.5:3"], "the range is empty"),
         (vec!["stand.ron", "--sweep", "pressure=0..1:3", "--shard", "4/3"], "i from 1 to n"),
+        (vec!["stand.ron", "--sweep", "pressure=0..1:3", "--shard", "banana"], "`banana` is no shard"),
         (vec!["stand.ron", "--shard", "1/3"], "--sweep"),
+        (vec!["stand.ron", "--merge", "none.csv", "--shard", "1/3"], "--shard"),
+        (vec!["stand.ron", "--merge", "none.csv", "--fresh"], "--fresh"),
+        (vec!["stand.ron", "--merge", "none.csv", "--seed", "2"], "--seed"),
+        (vec!["stand.ron", "--sweep", "pressure=0..1:3", "--slices", "3"], "--slices"),
+        (vec!["stand.ron", "--sweep", "pressure=0..1:3", "--directions", "3"], "--directions"),
+        (vec!["stand.ron", "--no-plots", "--slices", "3"], "--slices"),
+        (vec!["--list", "--json"], "--list"),
         (vec!["stand.ron", "--evaluations", "0"], "allowed: a whole number from 1"),
         (vec!["stand.ron", "--merge", "none.csv"], "none.csv"),
         (vec!["stand.ron", "--merge", "bad.ron"], "bad.ron: line 1"),

@@ -13,6 +13,7 @@ use takes::results::folder::{Earlier, Folder, FolderError, Plan};
 use takes::results::write::{Undrawn, write_report};
 use takes::{Progress, Take, WriteError};
 
+use super::journal::Head;
 use super::report::MapReport;
 use super::{
     Cost, Sample, Search, SearchResult, TuneError, TuneReport, TuneSpec, best, identity, journal, page,
@@ -106,15 +107,16 @@ impl State {
             Err(e) => return Err(SessionError::Run(format!("cannot read {shown}: {e}"))),
         };
         let table = journal::read(&text).map_err(|why| SessionError::State { path: shown.clone(), why })?;
-        if table.identity != self.identity || table.head != journal::head(&spec.parameters) {
-            let needed = self.identity.clone();
-            return Err(TuneError::Other { path: shown, found: table.identity, needed }.into());
+        let head = Head::new(&self.identity, &spec.parameters);
+        if table.head != head {
+            let (found, needed) = (table.head.identity, head.identity);
+            return Err(TuneError::Other { path: shown, found, needed }.into());
         }
         Ok(table.samples.into_iter().map(|(_, s)| s).collect())
     }
 
     fn keep(&mut self, spec: &TuneSpec, samples: &[Sample]) -> Result<(), String> {
-        let text = journal::table(&self.identity, &spec.parameters, samples);
+        let text = Head::new(&self.identity, &spec.parameters).table(samples.iter().enumerate());
         let mut put = || {
             self.folder.add("samples_csv", SAMPLES)?;
             self.folder.write(SAMPLES, text.as_bytes())?;
@@ -214,7 +216,8 @@ impl Session {
         report.push_map = result.maps.as_ref().map(|(a, b)| MapReport::of(a, b.as_ref()));
         report.push_map_missing.clone_from(&result.missing);
         let drawn = if self.figures { page::figures(take, result) } else { Vec::new() };
-        let samples = journal::table(&identity(take, spec, how), &spec.parameters, &result.samples);
+        let head = Head::new(&identity(take, spec, how), &spec.parameters);
+        let samples = head.table(result.samples.iter().enumerate());
         let page = match drawn.is_empty() {
             true => None,
             false => Some(page::html(&report, &drawn).map_err(|e| WriteError::file("tune.html", e))?),

@@ -14,9 +14,10 @@ use std::str::FromStr;
 
 use controllers::{PARAMETERS, Parameter, parameter};
 use rayon::prelude::*;
+use takes::results::folder::{FolderError, Overwrite, write_file};
 
 use super::cost::Cost;
-use super::journal::{self, Table};
+use super::journal::{self, Head, Table};
 use super::search::Sample;
 
 /// Why there is no sweep.
@@ -74,6 +75,22 @@ pub enum SweepError {
         /// The other.
         b: String,
         /// Where the second was found.
+        path: String,
+    },
+    /// A file that is no table of a sweep, or not as it was written.
+    #[error("{path}: {why}\n  help: --fresh begins anew, --out takes another folder")]
+    Table {
+        /// The file.
+        path: String,
+        /// What is wrong.
+        why: String,
+    },
+    /// A file that a table would replace.
+    #[error(
+        "{path} is no table of a sweep and would be replaced; give another folder with --out, or move it away"
+    )]
+    Foreign {
+        /// The file.
         path: String,
     },
     /// Files.
@@ -229,12 +246,18 @@ impl Grid {
             .map(|a| format!("{}={}..{}:{}", a.parameter.name, a.from, a.to, a.points))
             .collect();
         let samples = self.len();
-        format!("contrapposto sweep of {scene}: {} samples={samples} input={digest}", axes.join(" "))
+        format!("{IDENTITY} {scene}: {} samples={samples} input={digest}", axes.join(" "))
     }
 }
 
-/// Samples of the whole grid, by the first line of its table.
+/// How what a table is of begins.
+const IDENTITY: &str = "contrapposto sweep of";
+/// How a table begins.
+const OPENING: &str = "# contrapposto sweep of ";
+
+/// Samples of the whole grid, by the first line of its table; `None` if that is none of a sweep.
 pub fn samples_of(identity: &str) -> Option<usize> {
+    let identity = identity.strip_prefix(IDENTITY)?;
     identity.split(' ').find_map(|word| word.strip_prefix("samples="))?.parse().ok()
 }
 
@@ -281,12 +304,51 @@ pub fn read(path: &Path, identity: Option<&str>) -> Result<Table, SweepError> {
     let mut text = String::new();
     File::open(path).and_then(|mut f| f.read_to_string(&mut text)).map_err(file_error(path))?;
     let shown = path.display().to_string();
-    let table = journal::read(&text).map_err(|why| SweepError::File { path: shown.clone(), why })?;
-    match identity {
-        Some(needed) if table.identity != needed => {
-            Err(SweepError::Other { path: shown, found: table.identity, needed: needed.into() })
+    let table = journal::read(&text).map_err(|why| SweepError::Table { path: shown.clone(), why })?;
+    let found = table.head.identity.clone();
+    if let Some(needed) = identity.filter(|needed| **needed != *found) {
+        return Err(SweepError::Other { path: shown, found, needed: needed.into() });
+    }
+    let Some(samples) = samples_of(&found) else {
+        let why = format!("no table of a sweep: line 1 is `{found}`");
+        return Err(SweepError::Table { path: shown, why });
+    };
+    match table.samples.iter().find(|(index, _)| *index >= samples) {
+        None => Ok(table),
+        Some((index, _)) => {
+            let why = format!("sample {index} of a sweep of {samples} samples, which count from 0");
+            Err(SweepError::Table { path: shown, why })
         }
-        _ => Ok(table),
+    }
+}
+
+/// Removes the table of an earlier sweep, if there is one.
+///
+/// # Errors
+/// A file that is no table of a sweep: nobody's work is removed by its name. Of the file system.
+pub fn forget(path: &Path) -> Result<(), SweepError> {
+    if !path.exists() {
+        return Ok(());
+    }
+    check_replaceable(path)?;
+    std::fs::remove_file(path).map_err(file_error(path))
+}
+
+/// Tells whether what is at a path may be replaced by a table of a sweep: nothing, or one.
+///
+/// # Errors
+/// As [`forget`].
+pub fn check_replaceable(path: &Path) -> Result<(), SweepError> {
+    if !path.exists() {
+        return Ok(());
+    }
+    let mut text = Vec::new();
+    File::open(path)
+        .and_then(|f| f.take(OPENING.len() as u64).read_to_end(&mut text))
+        .map_err(file_error(path))?;
+    match text == OPENING.as_bytes() {
+        true => Ok(()),
+        false => Err(SweepError::Foreign { path: path.display().to_string() }),
     }
 }
 
@@ -305,7 +367,8 @@ pub fn run(
     path: &Path,
     progress: &mut dyn FnMut(f64),
 ) -> Result<usize, SweepError> {
-    begin(path, identity, &grid.parameters())?;
+    let head = Head::new(identity, &grid.parameters());
+    begin(path, &head)?;
     let table = read(path, Some(identity))?;
     let have: BTreeMap<usize, &Sample> = table.samples.iter().map(|(i, s)| (*i, s)).collect();
     let missing: Vec<usize> = shard.samples(grid.len()).filter(|i| !have.contains_key(i)).collect();
@@ -327,7 +390,7 @@ pub fn run(
             .collect();
         for (i, sample) in together.iter().zip(&found) {
             // one write call per line, so that lines of several jobs do not mix
-            file.write_all((journal::line(*i, sample) + "\n").as_bytes()).map_err(file_error(path))?;
+            file.write_all((head.line(*i, sample) + "\n").as_bytes()).map_err(file_error(path))?;
         }
         file.sync_data().map_err(file_error(path))?;
         progress((((k + 1) * TOGETHER) as f64 / missing.len() as f64).min(1.0));
@@ -336,19 +399,14 @@ pub fn run(
 }
 
 /// Makes the file with its first two lines, unless it is there: whole, and by one of several jobs only.
-fn begin(path: &Path, identity: &str, parameters: &[&Parameter]) -> Result<(), SweepError> {
+fn begin(path: &Path, head: &Head) -> Result<(), SweepError> {
     if path.exists() {
         return Ok(());
     }
-    let name = path.file_name().unwrap_or_default().to_string_lossy();
-    let temporary = path.with_file_name(format!(".{name}.{}.tmp", std::process::id()));
-    std::fs::write(&temporary, journal::table(identity, parameters, &[])).map_err(file_error(path))?;
-    // a hard link fails if the name exists; a rename would replace a table that another job has begun
-    let linked = std::fs::hard_link(&temporary, path);
-    let _ = std::fs::remove_file(&temporary);
-    match linked {
-        Err(e) if e.kind() != io::ErrorKind::AlreadyExists => Err(file_error(path)(e)),
-        _ => Ok(()),
+    match write_file(path, head.table([]).as_bytes(), Overwrite::Refuse, &[]) {
+        // another job has begun it meanwhile
+        Ok(()) | Err(FolderError::Exists { .. }) => Ok(()),
+        Err(e) => Err(SweepError::File { path: path.display().to_string(), why: e.to_string() }),
     }
 }
 
@@ -373,7 +431,7 @@ pub fn merge(paths: &[impl AsRef<Path>]) -> Result<(Table, BTreeMap<usize, Sampl
     let mut all: BTreeMap<usize, Sample> = BTreeMap::new();
     for path in paths {
         let path = path.as_ref();
-        let table = read(path, first.as_ref().map(|t| t.identity.as_str()))?;
+        let table = read(path, first.as_ref().map(|t| t.head.identity.as_str()))?;
         for (index, sample) in &table.samples {
             let have = all.entry(*index).or_insert_with(|| sample.clone());
             if have != sample {

@@ -10,7 +10,8 @@ use plots::CostSlice;
 use takes::WriteError;
 use takes::results::write::write_figure;
 
-use super::{Sample, journal, parameters};
+use super::journal::Head;
+use super::{Sample, parameters};
 
 /// The table of samples.
 pub const TABLE: &str = "sweep.csv";
@@ -26,10 +27,10 @@ pub fn best(all: &BTreeMap<usize, Sample>) -> Option<(&usize, &Sample)> {
 ///
 /// # Errors
 /// Of the folder and of the figure.
-pub fn draw(dir: &Path, head: &str, all: &BTreeMap<usize, Sample>) -> Result<Vec<PathBuf>, WriteError> {
+pub fn draw(dir: &Path, head: &Head, all: &BTreeMap<usize, Sample>) -> Result<Vec<PathBuf>, WriteError> {
     let best = best(all);
     let slices: Vec<CostSlice> =
-        journal::parameters_of(head).iter().enumerate().map(|(k, name)| slice(k, name, all, best)).collect();
+        head.parameters().iter().enumerate().map(|(k, name)| slice(k, name, all, best)).collect();
     let note = format!("{} samples of a grid.", all.len());
     let figure = plots::cost_slices(&slices, "Cost along each axis of the sweep", &note);
     write_figure(dir, "tune --sweep", FIGURE, &figure)
