@@ -74,7 +74,7 @@ fn write(out: &mut String, take: &Take, report: &Report, dir: &Path) -> std::fmt
     }
     if report.edit_conflicts > 0 {
         let text = format!(
-            "{} fields of elements written by more than one edit; the last holds (`contrapposto inspect` lists them)",
+            "{} fields of elements changed by more than one edit, each on what the one before left (`contrapposto inspect` lists them)",
             report.edit_conflicts
         );
         line(out, "edits", text)?;

@@ -215,7 +215,7 @@ impl fmt::Display for EditLog {
         }
         for c in self.conflicts() {
             let edits: Vec<String> = c.edits.iter().map(|&i| edit(i)).collect();
-            writeln!(f, "{}: {} written by {}; the last holds", text(&c.label), c.field, edits.join(", "))?;
+            writeln!(f, "{}: {} changed by {}", text(&c.label), c.field, edits.join(", then "))?;
         }
         for change in &self.clip_changes {
             writeln!(f, "{}: {change}", edit(change.edit))?;

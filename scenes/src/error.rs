@@ -7,7 +7,7 @@
 use std::fmt;
 use std::path::{Path, PathBuf};
 
-use motion::names::nearest;
+use motion::names::{brief, nearest};
 use serde::de::DeserializeOwned;
 
 use crate::library::{self, Entry};
@@ -58,7 +58,11 @@ pub struct Source {
 impl Source {
     /// A text as if read from `path`.
     pub fn new(path: impl Into<PathBuf>, text: impl Into<String>) -> Self {
-        let (path, text) = (path.into(), text.into());
+        let (path, mut text) = (path.into(), text.into());
+        // the mark that some editors put before UTF-8
+        if text.starts_with('\u{feff}') {
+            text.remove(0);
+        }
         let map = SourceMap::new(&text);
         Self { path, text, map }
     }
@@ -116,7 +120,7 @@ impl Source {
             let blanks = rest.chars().take_while(|c| c.is_whitespace()).count();
             let found = rest.trim_start();
             let column = if found.is_empty() { column } else { column + blanks };
-            let message = with_found(e.code.to_string(), found);
+            let message = brief(&with_found(message_of(&e.code), found));
             SceneError { path: self.path.clone(), place: Some((line, column)), message, help: None }
         })
     }
@@ -146,7 +150,12 @@ impl Source {
     /// An error at the value with this path, see [`SourceMap`].
     pub fn error(&self, at: &str, message: impl Into<String>) -> SceneError {
         let place = line_column(&self.text, self.map.offset(at));
-        SceneError { path: self.path.clone(), place: Some(place), message: message.into(), help: None }
+        SceneError {
+            path: self.path.clone(),
+            place: Some(place),
+            message: brief(&message.into()),
+            help: None,
+        }
     }
 
     /// An error for a name that does not exist, with the nearest one that does.
@@ -180,6 +189,25 @@ fn in_library(entry: &Entry) -> String {
     format!("the library has it: `{}`, or `{}` in a file", entry.name(), entry.location().display())
 }
 
+/// What RON says, but of a field or variant that does not exist: that, with the nearest that does.
+fn message_of(e: &ron::Error) -> String {
+    let known = |expected: &[&'static str], found: &str, what: &str, of: &Option<String>| {
+        let of = of.as_ref().map_or(String::new(), |name| format!(" of `{name}`"));
+        let names: Vec<String> = expected.iter().map(|n| format!("`{n}`")).collect();
+        let hint = match nearest(found, expected.iter().copied()) {
+            Some(n) => format!("did you mean `{n}`?"),
+            None if names.is_empty() => "there is none".into(),
+            None => format!("known are {}", names.join(", ")),
+        };
+        format!("unknown {what} `{found}`{of}; {hint}")
+    };
+    match e {
+        ron::Error::NoSuchStructField { expected, found, outer } => known(expected, found, "field", outer),
+        ron::Error::NoSuchEnumVariant { expected, found, outer } => known(expected, found, "word", outer),
+        e => e.to_string(),
+    }
+}
+
 /// RON says what it expected; this adds what stands there.
 fn with_found(message: String, rest_of_line: &str) -> String {
     if !message.starts_with("Expected") && message != "Integer is out of bounds" {
@@ -195,6 +223,36 @@ fn with_found(message: String, rest_of_line: &str) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    /// The mark that some editors put before a text is no part of it; places count as if it were not there.
+    #[test]
+    fn a_byte_order_mark_is_read_over() {
+        let marked = Source::new("a.ron", "\u{feff}(1, x)").parse::<(u8, u8)>().unwrap_err();
+        let plain = Source::new("a.ron", "(1, x)").parse::<(u8, u8)>().unwrap_err();
+        assert_eq!(marked, plain);
+        assert_eq!(Source::new("a.ron", "\u{feff}(1, 2)").parse::<(u8, u8)>().unwrap(), (1, 2));
+        assert_eq!(Source::new("a.ron", "\u{feff}Scene()").first_word(), Some("Scene"));
+    }
+
+    /// However long a name is, an error is short, and its last words are there.
+    #[test]
+    fn errors_repeat_at_most_200_characters() {
+        let long = "x".repeat(1_000_000);
+        let text = format!("Scene({long}: 1)");
+        #[derive(Debug, serde::Deserialize)]
+        #[serde(deny_unknown_fields, rename = "Scene")]
+        struct Small {
+            #[serde(default)]
+            _rate_hz: f64,
+        }
+        let source = Source::new("a.ron", text);
+        let e = source.parse::<Small>().unwrap_err().to_string();
+        assert!(e.chars().count() < 400 && e.contains("_rate_hz") && e.contains("a.ron:1:7"), "{e}");
+        let e = source.unknown("", "joint", &long, " in a pose", ["elbow_l"]).to_string();
+        assert!(e.chars().count() < 400 && e.contains("known are `elbow_l`"), "{e}");
+        let e = Source::new("a.ron", format!("\"{long}\"")).parse::<f64>().unwrap_err().to_string();
+        assert!(e.chars().count() < 400, "{e}");
+    }
 
     #[test]
     fn an_error_reads_well() {

@@ -12,7 +12,7 @@ pub struct StripSpec {
     pub from_s: f64,
     /// Last moment shown, s; by default the end.
     pub to_s: Option<f64>,
-    /// From where it is seen, degrees: 0 the front, 90 the left; by default where the motion shows best.
+    /// From where it is seen, degrees: 0 the front, 90 the left; by default between both (38).
     pub yaw_deg: Option<f64>,
 }
 

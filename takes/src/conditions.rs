@@ -110,6 +110,6 @@ fn begins(scene: &Scene, at: &str, begins_s: f64, end_s: f64, help: &str) -> Res
     if begins_s < end_s {
         return Ok(());
     }
-    let message = format!("begins at {begins_s} s; allowed: before the motion ends, at {end_s} s");
+    let message = format!("begins at {begins_s} s; allowed: before the motion ends, at {end_s:.3} s");
     Err(scene.source.error(at, message).with_help(help))
 }

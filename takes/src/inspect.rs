@@ -128,7 +128,7 @@ pub struct SceneInspection {
     pub elements: Vec<ElementInspection>,
     /// Names of the edits, one for each application, in order.
     pub edits: Vec<String>,
-    /// Fields of elements that several edits wrote; the last holds.
+    /// Fields of elements that several edits changed, each on what the one before left.
     pub conflicts: Vec<ConflictInspection>,
     /// Elements that a later one of the same joint cuts short.
     pub overlaps: Vec<OverlapInspection>,
@@ -188,7 +188,7 @@ pub struct ConflictInspection {
     pub label: String,
     /// The field.
     pub field: String,
-    /// The edits, in order; the last holds.
+    /// The edits, in order.
     pub edits: Vec<String>,
 }
 

@@ -9,14 +9,14 @@
 use crate::conditions::begin_in_time;
 use controllers::{Dense, DenseJoint};
 use dynamics::conditions::RootMode;
-use edits::{EditLog, Motion};
+use edits::{EditLog, Motion, Where};
 use motion::plant::{Knee, Plant};
 use motion::{
     Contact, ContactPlan, Dof, Element, Floor, Joint, LimbKind, TimeMap, Timing, Tracks, Transform,
 };
 use nalgebra::Translation3;
 use scenes::SceneError;
-use scenes::scene::{EditKind, Scene, ScriptSpec};
+use scenes::scene::{EditKind, Scene, SceneEdit, ScriptSpec};
 
 use crate::clip_edits::{self, Clips};
 use crate::error::{MOST_STEPS, too_long};
@@ -41,15 +41,34 @@ pub fn edited_tracks(scene: &Scene, script: &ScriptSpec) -> Result<(Tracks, Trac
     for e in &scene.edits {
         let EditKind::Track(edit) = &e.kind else { continue };
         let fault = |field: &str, text: String| scene.source.error(&format!("{}{field}", e.at), text);
-        for selector in e.place.selectors().map_err(|x| fault(".on", x.to_string()))? {
+        let selectors = e.place.selectors().map_err(|x| fault(".on", x.to_string()))?;
+        for (i, selector) in selectors.into_iter().enumerate() {
             let selection = selector.select(&tracks).map_err(|x| fault(".on", x.to_string()))?;
             if selection.is_empty() && !selection.is_whole_script() {
-                return Err(fault(".on", "nothing is selected: the place has none of these parts".into()));
+                return Err(fault(".on", nothing_selected(&tracks, e, i)));
             }
             edit.apply(&mut tracks, &selection, &mut log).map_err(|x| fault("", x.to_string()))?;
         }
     }
     Ok((plain, tracks, log))
+}
+
+/// What is said of the `i`-th label of an edit that has none of the edit's parts.
+fn nothing_selected(tracks: &Tracks, edit: &SceneEdit, i: usize) -> String {
+    let quoted = |names: &[String]| names.iter().map(|n| format!("`{n}`")).collect::<Vec<_>>().join(", ");
+    let (place, whole) = match edit.place.on.get(i).filter(|text| !text.is_empty()) {
+        Some(text) => (format!("`{text}`"), Where { on: vec![text.clone()], ..edit.place.clone() }),
+        None => ("the script".into(), edit.place.clone()),
+    };
+    let all = Where { parts: Vec::new(), ..whole }.selectors().ok();
+    let selection = all.and_then(|all| all.first()?.select(tracks).ok());
+    let elements =
+        tracks.elements().filter(|(_, e)| selection.as_ref().is_some_and(|s| s.contains(&e.label)));
+    let mut moves: Vec<String> = elements.map(|(dof, _)| dof.name(&tracks.skeleton)).collect();
+    moves.sort();
+    moves.dedup();
+    let moves = if moves.is_empty() { "nothing".into() } else { quoted(&moves) };
+    format!("nothing is selected: {place} has no element of {}; it moves {moves}", quoted(&edit.place.parts))
 }
 
 /// The take of a script.

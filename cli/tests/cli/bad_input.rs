@@ -71,11 +71,80 @@ fn a_joint_that_does_not_exist_is_met_with_the_nearest_name() {
 
 #[test]
 fn unknown_fields_and_wrong_types() {
-    bad_scene("rate_hz: 60", "rate: 60", &["`rate`", "`rate_hz`", "scene.ron:3:"]);
+    bad_scene(
+        "rate_hz: 60",
+        "rate: 60",
+        &["unknown field `rate` of `Scene`; did you mean `rate_hz`?", "scene.ron:3:"],
+    );
     bad_scene("rate_hz: 60", "rate_hz: \"fast\"", &["Expected float", "`\"fast\"`", "scene.ron:3:14"]);
-    bad_scene("Succession(", "Sucession(", &["`Sucession`", "`Succession`", "scene.ron:13:"]);
+    bad_scene(
+        "Succession(",
+        "Sucession(",
+        &["unknown word `Sucession` of", "did you mean `Succession`?", "scene.ron:13:"],
+    );
+    bad_scene(
+        "offset_s: 0.05",
+        "ofset_s: 0.05",
+        &["unknown field `ofset_s` of `Succession`; did you mean `offset_s`?"],
+    );
+    bad_scene(
+        "hold_s: 0.1",
+        "holds: 0.1",
+        &["unknown field `holds` of `Pose`; did you mean `hold_s`?", "scene.ron:6:"],
+    );
     bad_scene("root: Free", "root: Loose", &["`Loose`", "`Free`", "scene.ron:17:"]);
     bad_scene("\"elbow_r\": 20", "\"elbow_r\": (1, 2, 3)", &["elbow_r", "scene.ron:8:"]);
+}
+
+/// Names that a file we write could not hold; the terminal sees no control characters.
+#[test]
+fn names_that_cannot_be_written() {
+    for (name, words) in [
+        ("", "a name is empty"),
+        ("bow\\u{0}", "`bow\\u{0}` has a control character"),
+        ("two\\nlines", "`two\\nlines` has a control character"),
+        (" bow", "begins or ends with a blank"),
+        (&"x".repeat(5000), "has 5000 characters; allowed: 1 to 128"),
+    ] {
+        bad_scene("name: \"bow\"", &format!("name: \"{name}\""), &[words, "scene.ron:5:"]);
+        bad_character("name: \"chest\"", &format!("name: \"{name}\""), &[words, "characters/human.ron:"]);
+    }
+}
+
+/// An edit of two places of which one has none of its parts: that place, and what it moves.
+#[test]
+fn a_place_without_the_parts_is_named() {
+    bad_scene(
+        "Amplitude(on: \"bow\", parts: [\"elbow_r\"], factor: 1.1)",
+        "Tension(on: \"bow\", parts: [\"ankle_l\"], factor: 2)",
+        &["`bow` has no element of `ankle_l`; it moves `chest`, `elbow_r`", "scene.ron:15:"],
+    );
+}
+
+/// What a scene says of a script beside a motion of its own is refused whole.
+#[test]
+fn words_of_a_script_beside_a_motion() {
+    let place = Place::new();
+    let text = std::fs::read_to_string(support::shared("cases/scenes/mdrop.ron")).unwrap();
+    let text = text
+        .replace("characters/lamp.ron", "library:characters/lamp.ron")
+        .replace("performances/", "library:performances/");
+    let scene = place.write("mdrop.ron", &text);
+    refused(&place, &scene, &[], &["`planted`, `settle_s`, `properties` are of a script", "mdrop.ron:2:"]);
+    let text = text.replace("settle_s: 50, properties: (tension: 9), planted: [],", "");
+    let scene = place.write("mdrop.ron", &text);
+    refused(&place, &scene, &[], &["begins at 9999 s", "before the motion ends, at 13.939 s"]);
+}
+
+/// A scene that begins with a byte order mark.
+#[test]
+fn a_byte_order_mark_is_no_fault() {
+    let place = Place::new();
+    let text = std::fs::read_to_string(support::shared("cases/scenes/bom.ron")).unwrap();
+    assert!(text.starts_with('\u{feff}'));
+    let scene = place.write("bom.ron", &text.replace("characters/", "library:characters/"));
+    let done = place.run(&["inspect", scene.to_str().unwrap()]);
+    assert_eq!(done.code, 0, "{}", done.stderr);
 }
 
 #[test]

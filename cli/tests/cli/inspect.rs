@@ -23,7 +23,7 @@ fn a_scene() {
         "bow_0_0_elbow_r",
         "EaseInOut",
         "end by amplitude (edit 2)",
-        "written by amplitude (edit 1), amplitude (edit 2); the last holds",
+        "changed by amplitude (edit 1), then amplitude (edit 2)",
         "knee_l",
     ] {
         assert!(done.stdout.contains(word), "`{word}` is not in\n{}", done.stdout);

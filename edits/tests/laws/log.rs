@@ -44,7 +44,7 @@ fn the_last_writer_of_each_element_is_known() {
 }
 
 #[test]
-fn conflicts_are_listed_and_the_last_holds() {
+fn fields_changed_more_than_once_are_listed_in_order() {
     let absolute = |x: f64| Box::new(Tension { amount: Amount::Absolute(x.into()) });
     let (tracks, log) = run(&[
         (absolute(3.0), Selector::label("bow").of(["trunk"])),
@@ -55,7 +55,7 @@ fn conflicts_are_listed_and_the_last_holds() {
     assert_eq!(conflicts.len(), 1);
     assert_eq!((conflicts[0].field, &conflicts[0].edits[..]), (Field::Tension, &[0, 2][..]));
     assert_eq!(element(&tracks, "bow_0_1_spine2").tension, 0.5);
-    let line = "bow_0_1_spine2: tension written by tension (edit 0), tension (edit 2); the last holds\n";
+    let line = "bow_0_1_spine2: tension changed by tension (edit 0), then tension (edit 2)\n";
     assert!(log.to_string().contains(line), "{log}");
 }
 

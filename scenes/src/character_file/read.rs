@@ -5,7 +5,7 @@ use std::path::Path;
 use std::sync::Arc;
 
 use bodies::Character;
-use motion::{Joint, Limb, Site, Skeleton, Transform, Vec3};
+use motion::{Joint, Limb, Site, Skeleton, Transform, Vec3, names};
 use retarget::{ContactPoint, Follow, Sway};
 
 use super::schema::{CharacterRon, FollowRon, V3};
@@ -71,7 +71,23 @@ pub(super) struct Reader<'a> {
 }
 
 impl Reader<'_> {
+    /// Refuses names that some file we write could not hold.
+    fn names(&self) -> Result<(), SceneError> {
+        let ron = &self.ron;
+        let links = ron.links.iter().enumerate().map(|(i, l)| (format!("links[{i}].name"), &l.name));
+        let sites = ron.sites.iter().enumerate().map(|(i, s)| (format!("sites[{i}].name"), &s.name));
+        let limbs = ron.limbs.iter().enumerate().map(|(i, l)| (format!("limbs[{i}].name"), &l.name));
+        let parts = ron.parts.keys().map(|part| (format!("parts{{\"{part}\"}}"), part));
+        let mut all = std::iter::once(("name".to_owned(), &ron.name))
+            .chain(links)
+            .chain(sites)
+            .chain(limbs)
+            .chain(parts);
+        all.try_for_each(|(at, name)| names::check(name).map_err(|e| self.source.error(&at, e)))
+    }
+
     fn file(&self) -> Result<CharacterFile, SceneError> {
+        self.names()?;
         let character = self.character()?;
         let skeleton = &character.skeleton;
         let mut colors = vec![None; skeleton.links().len()];

@@ -82,18 +82,21 @@ impl Check<'_> {
         let p = &ron.properties;
         let inherits =
             p.curve.is_some() || p.tension.is_some() || p.duration_s.is_some() || p.hold_s.is_some();
-        for (field, used) in [
+        let of_scripts = [
             ("script", !ron.script.is_empty()),
             ("inserts", !ron.inserts.is_empty()),
             ("footwork", !ron.footwork.is_empty()),
             ("planted", ron.planted.is_some()),
             ("settle_s", ron.settle_s.is_some()),
             ("properties", inherits),
-        ] {
-            if used {
-                let e = format!("a scene has either a `motion` or a script; `{field}` is of a script");
-                return Err(self.source.error(field, e));
-            }
+        ];
+        let used: Vec<&str> = of_scripts.iter().filter(|(_, used)| *used).map(|(field, _)| *field).collect();
+        if let Some(first) = used.first() {
+            let all: Vec<String> = used.iter().map(|field| format!("`{field}`")).collect();
+            let are = if all.len() == 1 { "is" } else { "are" };
+            let e =
+                format!("a scene has either a `motion` or a script; {} {are} of a script", all.join(", "));
+            return Err(self.source.error(first, e));
         }
         match motion {
             MotionRon::Clip(file) => self.clip(ron, file),

@@ -4,6 +4,7 @@
 
 use std::collections::BTreeMap;
 
+use motion::names;
 use motion::script::{Action, Cycle, Insert, Pose, PoseValue, Properties, Script};
 use motion::{Curve, Dof, Joint, LimbKind, Value};
 
@@ -58,9 +59,7 @@ impl Check<'_> {
         let mut script = Script { properties: top, actions: Vec::new(), inserts: Vec::new() };
         for (i, a) in ron.script.iter().enumerate() {
             let at = format!("script[{i}]");
-            if a.name.is_empty() {
-                return Err(self.source.error(&format!("{at}.name"), "an action needs a name"));
-            }
+            names::check(&a.name).map_err(|e| self.source.error(&format!("{at}.name"), e))?;
             let before = &ron.script[..i];
             if before.iter().any(|o| o.name == a.name) {
                 let message = format!("two actions are called `{}`; names must be unique", a.name);
@@ -86,6 +85,7 @@ impl Check<'_> {
         }
         for (i, n) in ron.inserts.iter().enumerate() {
             let at = format!("inserts[{i}]");
+            names::check(&n.name).map_err(|e| self.source.error(&format!("{at}.name"), e))?;
             let start_s = self.within(&format!("{at}.start_s"), n.start_s, 0.0, 86_400.0, "s")?;
             let properties = PropertiesRon {
                 curve: n.curve,

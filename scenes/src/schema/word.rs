@@ -202,7 +202,11 @@ mod tests {
     #[test]
     fn data_that_do_not_fit_are_refused() {
         let e = fault::<NamedWith<GroundRon>>("Plane(friction: 0.8, heigt_m: 1)");
-        assert!(e.contains("Unexpected field named `heigt_m` in `Plane`") && e.contains("a.ron:1:22"), "{e}");
+        assert!(
+            e.contains("unknown field `heigt_m` of `Plane`; did you mean `height_m`?")
+                && e.contains("a.ron:1:22"),
+            "{e}"
+        );
         let e = fault::<NamedWith<RootRon>>("Assisted(force_n: 1)");
         assert!(e.contains("missing field named `moment_nm` in `Assisted`"), "{e}");
         assert!(fault::<NamedWith<Curve>>("Bezier(1, 2, 3)").contains("a.ron:1:"));
