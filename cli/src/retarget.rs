@@ -41,7 +41,7 @@ pub fn run(args: &RetargetArgs) -> Result<(), Failure> {
         let files = results::write_sheet(&session, &dir)?;
         return output::print(&files.iter().map(|f| format!("{}\n", f.display())).collect::<String>());
     }
-    Folder::check(&dir, &results::plan(&reads))?;
+    Folder::check(&dir, &results::plan(&dir, &reads))?;
 
     progress.part("mapping");
     let mut options = Options {

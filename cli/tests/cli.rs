@@ -10,6 +10,8 @@ mod convert;
 mod crosscheck;
 #[path = "cli/inspect.rs"]
 mod inspect;
+#[path = "cli/interrupt.rs"]
+mod interrupt;
 #[path = "cli/library.rs"]
 mod library;
 #[path = "cli/output.rs"]
@@ -20,6 +22,8 @@ mod place;
 mod plot;
 #[path = "cli/push.rs"]
 mod push;
+#[path = "cli/references.rs"]
+mod references;
 #[path = "cli/render.rs"]
 mod render;
 #[path = "cli/report.rs"]

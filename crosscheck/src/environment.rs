@@ -15,6 +15,8 @@ use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 use std::sync::{Mutex, PoisonError};
 
+use takes::results::folder::Scratch;
+
 /// The MuJoCo that answers are compared with.
 pub const MUJOCO: &str = "4.0.0";
 
@@ -61,21 +63,18 @@ pub fn prepare(note: &mut dyn FnMut(&str)) -> Result<PathBuf, EnvironmentError> 
     }
     let python = find_python()?;
     note(&format!("making a Python environment with mujoco {MUJOCO} in {} (once)", place.display()));
-    fs::create_dir_all(&home).map_err(|e| step(&place, "create the cache folder", e.to_string()))?;
-    // made in another folder and moved when complete, so that no process uses half an environment
-    let making = home.join(format!(".mujoco-{MUJOCO}.{}", std::process::id()));
-    let made = make(&python, &making);
-    let done = made.and_then(|()| {
-        if !ready() {
-            let _ = fs::remove_dir_all(&place);
-        }
-        match fs::rename(&making, &place) {
-            Err(_) if ready() => Ok(()),
-            moved => moved.map_err(|e| step(&place, "move it into place", e.to_string())),
-        }
-    });
-    let _ = fs::remove_dir_all(&making);
-    done.map(|()| python_of(&place))
+    // made in another folder and moved when complete, so that no process uses half an environment; removed at Ctrl-C
+    let making =
+        Scratch::beside(&home).map_err(|e| step(&place, "write into the cache folder", e.to_string()))?;
+    make(&python, making.path())?;
+    if !ready() {
+        let _ = fs::remove_dir_all(&place);
+    }
+    match fs::rename(making.path(), &place) {
+        Err(_) if ready() => {}
+        moved => moved.map_err(|e| step(&place, "move it into place", e.to_string()))?,
+    }
+    Ok(python_of(&place))
 }
 
 static TURN: Mutex<()> = Mutex::new(());

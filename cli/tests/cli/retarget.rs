@@ -97,6 +97,17 @@ fn contacts_are_found_written_edited_and_read() {
     assert_eq!(heel.len(), 1);
     assert_eq!((heel[0]["from_s"].as_f64(), heel[0]["to_s"].as_f64()), (Some(1.0), Some(1.5)));
     assert!(std::fs::read(place.at("out/retargeted.bvh")).unwrap() != found);
+
+    // edited where it was written, with comments: read from there, and left as it is
+    let mine = std::fs::read_to_string(place.at("out/contacts.ron")).unwrap() + "// the left foot late\n";
+    place.write("out/contacts.ron", &mine);
+    let before = std::fs::read(place.at("out/retargeted.bvh")).unwrap();
+    let done = retarget(&place, &walk, "penguin", &[&stop[..], &["--contacts", "out/contacts.ron"]].concat());
+    assert_eq!(done.code, 0, "{}", done.stderr);
+    assert_eq!(std::fs::read_to_string(place.at("out/contacts.ron")).unwrap(), mine);
+    assert!(std::fs::read(place.at("out/retargeted.bvh")).unwrap() == before);
+    let done = retarget(&place, &walk, "penguin", &stop);
+    assert!(done.code == 2 && done.stderr.contains("contacts.ron was changed"), "{}", done.stderr);
 }
 
 /// A scene takes its motion's contacts from a file beside it, and says where one is wrong.

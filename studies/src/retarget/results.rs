@@ -14,11 +14,22 @@ use super::{StudiedReport, figures};
 /// Metres in one unit of the BVH files written: centimetres.
 const UNIT: f64 = 0.01;
 
-/// What a retargeted motion leaves in its folder; [`takes::results::folder::Folder::check`] with it finds out before the motion is mapped. `reads`: files that
-/// are never replaced.
-pub fn plan(reads: &[PathBuf]) -> Plan<'_> {
-    let planned = &["retargeted.bvh", "retargeted.glb", "human.bvh", "contacts.ron", "report.json"];
+/// The contact phases, to be edited and given to the next run.
+const CONTACTS: &str = "contacts.ron";
+
+/// What a retargeted motion leaves in the folder `dir`; [`takes::results::folder::Folder::check`] with it finds out before the
+/// motion is mapped. `reads`: files that are never replaced. Contact phases that were read from the folder itself are not written
+/// again: the file is a person's, with comments.
+pub fn plan<'a>(dir: &Path, reads: &'a [PathBuf]) -> Plan<'a> {
+    const FILES: [&str; 5] = ["retargeted.bvh", "retargeted.glb", "human.bvh", "report.json", CONTACTS];
+    let planned = if has_contacts(dir, reads) { &FILES[..4] } else { &FILES[..] };
     Plan { command: "retarget", planned, reads, earlier: Earlier::Remove }
+}
+
+/// Whether the contact phases were read from the folder they would be written into.
+fn has_contacts(dir: &Path, reads: &[PathBuf]) -> bool {
+    let own = dir.join(CONTACTS).canonicalize();
+    own.is_ok_and(|own| reads.iter().any(|read| read.canonicalize().is_ok_and(|read| read == own)))
 }
 
 /// Writes everything into `dir`, and names the files in the report.
@@ -38,10 +49,10 @@ pub fn write(
     let mut data = |folder: &mut Folder| {
         write_bvh(&mut folder.top(), "retargeted", &done.clip, UNIT)?;
         write_bvh(&mut folder.top(), "human", &done.human, UNIT)?;
-        if done.contact.is_some() {
-            folder.add("contacts_ron", "contacts.ron")?;
+        if done.contact.is_some() && !has_contacts(dir, reads) {
+            folder.add("contacts_ron", CONTACTS)?;
             let text = contact_file::text(&session.actor.puppet, &done.phases);
-            folder.write("contacts.ron", text.as_bytes())?;
+            folder.write(CONTACTS, text.as_bytes())?;
         }
         write_glb(&mut folder.top(), "retargeted", &done.clip, &session.body(), &name)
     };
@@ -51,7 +62,7 @@ pub fn write(
         report.run.files = files;
         report.to_json()
     };
-    write_report(dir, &plan(reads), &mut data, &figures, &mut text, progress)
+    write_report(dir, &plan(dir, reads), &mut data, &figures, &mut text, progress)
 }
 
 /// Draws all key poses beside the human poses they stand for into `plots/key_poses` of `dir`; the files written.

@@ -18,6 +18,7 @@
 //! |---|---|
 //! | [`manifest`] | what runs wrote into a folder: names, lengths, digests |
 //! | `names` | which names stay in the folder, and the order of moving |
+//! | `scratch` | a temporary folder for whatever is no output of a run |
 //! | `staging` | temporary names, locks, removal of what killed processes left |
 //! | `commit` | moving files into place, and taking it back |
 //! | `file` | single files, and whether a file is an input |
@@ -40,12 +41,14 @@ mod file;
 pub mod interrupt;
 pub mod manifest;
 mod names;
+mod scratch;
 mod staging;
 #[cfg(test)]
 mod tests;
 
 pub use error::{FolderError, Foreign};
 pub use file::{Overwrite, check_file, write_file};
+pub use scratch::Scratch;
 
 /// What becomes of files of earlier runs that a run does not write.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
