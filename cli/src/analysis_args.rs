@@ -5,11 +5,12 @@ use std::path::PathBuf;
 use clap::Args;
 use motion::names::Word;
 use motion::smooth::Smoothing;
+use plots::View;
 use takes::AnalysisSettings;
 use takes::results::analysis_figures::AnalysisFigure;
 use takes::results::analysis_write::Table;
 
-use crate::args::{ClipArgs, number};
+use crate::args::{ClipArgs, number, view_help};
 use crate::words::word;
 
 /// A figure of `plot`, or all of them.
@@ -88,6 +89,9 @@ pub struct PlotArgs {
     /// Only these joints in `torque`, `gains` and `angles`, by link
     #[arg(long, value_name = "NAME", value_delimiter = ',')]
     pub joints: Vec<String>,
+    /// From where film strips are seen.
+    #[arg(long, value_name = "VIEW", allow_negative_numbers = true, help = view_help())]
+    pub view: Option<View>,
     /// Replace a file of --out if it exists
     #[arg(long)]
     pub force: bool,
@@ -130,6 +134,9 @@ pub struct AnalyzeArgs {
     /// Files to write, separated by commas
     #[arg(long, value_name = "FORMAT", value_parser = word::<Table>(), value_delimiter = ',', default_value = "csv,mot,npz")]
     pub format: Vec<Table>,
+    /// From where the film strip is seen.
+    #[arg(long, value_name = "VIEW", allow_negative_numbers = true, conflicts_with = "no_plots", help = view_help())]
+    pub view: Option<View>,
     /// Draw nothing
     #[arg(long)]
     pub no_plots: bool,

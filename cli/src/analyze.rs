@@ -19,9 +19,12 @@ use crate::progress::progress;
 pub fn run(args: &AnalyzeArgs) -> Result<(), Failure> {
     let progress = progress();
     progress.part("reading");
-    let input = analysis::open(&args.input, args.dynamics.body.as_deref(), &args.clip.import())
+    let mut input = analysis::open(&args.input, args.dynamics.body.as_deref(), &args.clip.import())
         .map_err(Failure::input)?;
     clip_options(&args.input, &input, args.clip.given(), args.dynamics.body.is_some())?;
+    if let Some(view) = args.view {
+        input.view = view;
+    }
     progress.part("analysing");
     let analysis = input.analyze(&args.dynamics.options()).map_err(Failure::input)?;
     let dir = output::folder(args.out.as_deref(), &format!("{}-analysis", input.name));

@@ -4,6 +4,8 @@ use std::path::PathBuf;
 
 use clap::{Args, Parser, Subcommand};
 use formats::bvh::{Axis, ImportOptions};
+use motion::names::Word;
+use plots::{View, ViewName};
 use studies::push::PushSettings;
 use takes::overrides::{RATES, RootChoice, SUBSTEPS, Strategy, TENSIONS};
 use takes::{Overrides, Patch, SceneError};
@@ -126,6 +128,16 @@ pub struct PhysicsArgs {
     pub engine: Option<String>,
 }
 
+/// What `--view` takes.
+pub fn view_help() -> String {
+    let names: Vec<&str> = ViewName::WORDS.iter().map(|w| w.1).collect();
+    let names = names.join(", ");
+    format!(
+        "From where film strips are seen: {names}, or degrees, 0 the front and 90 the left [default: the scene's, {}]",
+        ViewName::default().word()
+    )
+}
+
 /// What `--engine` takes.
 pub fn engine_help() -> String {
     format!("Engine that simulates: {} [default: the scene's, rapier]", engines::help())
@@ -188,6 +200,9 @@ pub struct RenderArgs {
     /// Muscles and simulation.
     #[command(flatten)]
     pub physics: PhysicsArgs,
+    /// From where film strips are seen.
+    #[arg(long, value_name = "VIEW", allow_negative_numbers = true, conflicts_with_all = ["no_plots", "pareto"], help = view_help())]
+    pub view: Option<View>,
     /// Draw nothing
     #[arg(long)]
     pub no_plots: bool,

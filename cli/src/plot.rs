@@ -21,9 +21,12 @@ use crate::progress::progress;
 pub fn run(args: &PlotArgs) -> Result<(), Failure> {
     let progress = progress();
     progress.part("reading");
-    let motion = analysis::open(&args.input, args.dynamics.body.as_deref(), &args.clip.import())
+    let mut motion = analysis::open(&args.input, args.dynamics.body.as_deref(), &args.clip.import())
         .map_err(Failure::input)?;
     refuse_clip_options(&args.input, &motion, args)?;
+    if let Some(view) = args.view {
+        motion.view = view;
+    }
     progress.part("analysing");
     let analysis = motion.analyze(&args.dynamics.options());
     let analysis = analysis.as_ref().map_err(ToString::to_string);
@@ -32,6 +35,11 @@ pub fn run(args: &PlotArgs) -> Result<(), Failure> {
         Drawing::new(&motion, analysis, sink_m, args.mujoco.as_deref()).map_err(Failure::input)?;
     select(&mut drawing, args)?;
     let (figures, left_out) = figures(&drawing, args)?;
+    if args.view.is_some() && !figures.contains(&AnalysisFigure::Strip) {
+        return Err(Failure::Input(
+            "--view is for film strips; none of the figures asked for is one (--what strip)".into(),
+        ));
+    }
     let place = place(args, &motion, &figures)?;
     progress.part("drawing");
     let overwrite = if args.force { Overwrite::Allow } else { Overwrite::Refuse };

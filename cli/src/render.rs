@@ -20,7 +20,10 @@ pub fn run(args: &RenderArgs) -> Result<(), Failure> {
     }
     let progress = progress();
     progress.part("staging");
-    let take = takes::open(args.input.as_path(), &ask(args)?)?;
+    let mut take = takes::open(args.input.as_path(), &ask(args)?)?;
+    if let Some(view) = args.view {
+        take.strip.yaw_deg = Some(view.yaw_deg());
+    }
     let dir = output::folder(args.out.as_deref(), &take.name);
     let what = What { figures: !args.no_plots, reads: args.reads() };
     let engines = engines();

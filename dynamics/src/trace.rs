@@ -113,6 +113,8 @@ pub struct Trace {
     pub link_com: Vec<f64>,
     /// Pushes, tilted ground, carried masses.
     pub disturbed: Disturbed,
+    /// Red, green and blue of each link, where the body has a colour; empty where it has none. Only drawn.
+    pub colors: Vec<Option<[u8; 3]>>,
     /// Kinetic and potential energy, `rows × 2`, J; potential from height zero.
     pub energy: Vec<f64>,
     /// Wall time of the run, s. Not written to files: it would break their determinism.
@@ -288,6 +290,7 @@ impl Trace {
             disturbed,
             energy: part(&self.energy),
             character: self.character.clone(),
+            colors: self.colors.clone(),
             ..*self
         }
     }

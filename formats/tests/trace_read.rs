@@ -65,6 +65,7 @@ fn sample(rows: usize) -> Trace {
         link_com: numbers(rows * 3 * links),
         disturbed: disturbed(rows),
         energy: numbers(rows * 2),
+        colors: vec![None, Some([0, 128, 255])].into_iter().cycle().take(links).collect(),
         wall_s: 0.0,
         character: Arc::new(character),
     };

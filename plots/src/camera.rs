@@ -3,7 +3,85 @@
 //! Picture coordinates in metres: `right` and `up` on the picture, `near` towards the viewer. The same
 //! length anywhere in the world is as long in the picture, so that figures can be compared.
 
-use motion::{Clip, Kinematics, LimbKind, Skeleton, Vec3};
+use std::str::FromStr;
+
+use motion::names::Word;
+use motion::{Kinematics, LimbKind, Skeleton, Vec3};
+
+/// From where a body is looked at: an angle around it, 0 in front of it, 90 on its left, 180 behind it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct View {
+    yaw_deg: f64,
+}
+
+/// Views with a name.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum ViewName {
+    /// From the front.
+    Front,
+    /// From its left.
+    Side,
+    /// Between both: where a walk, a bow and a wave are all seen.
+    #[default]
+    ThreeQuarter,
+}
+
+impl Word for ViewName {
+    const KIND: &'static str = "view";
+    const WORDS: &'static [(Self, &'static str, &'static str)] = &[
+        (Self::Front, "front", "From the front"),
+        (Self::Side, "side", "From its left"),
+        (Self::ThreeQuarter, "three-quarter", "Between front and left"),
+    ];
+}
+
+/// A text that is no [`View`].
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("`{text}` is no view; allowed: {}, or degrees from -360 to 360 (0 is the front, 90 its left)", ViewName::WORDS.iter().map(|w| w.1).collect::<Vec<_>>().join(", "))]
+pub struct ViewError {
+    text: String,
+}
+
+impl View {
+    /// From this angle, degrees; `None` for one that is not finite.
+    pub fn degrees(yaw_deg: f64) -> Option<Self> {
+        yaw_deg.is_finite().then_some(Self { yaw_deg })
+    }
+
+    /// The angle, degrees.
+    pub fn yaw_deg(self) -> f64 {
+        self.yaw_deg
+    }
+}
+
+impl From<ViewName> for View {
+    fn from(name: ViewName) -> Self {
+        let yaw_deg = match name {
+            ViewName::Front => 0.0,
+            ViewName::Side => 90.0,
+            ViewName::ThreeQuarter => 38.0,
+        };
+        Self { yaw_deg }
+    }
+}
+
+impl Default for View {
+    fn default() -> Self {
+        ViewName::default().into()
+    }
+}
+
+impl FromStr for View {
+    type Err = ViewError;
+
+    fn from_str(text: &str) -> Result<Self, ViewError> {
+        if let Ok(name) = ViewName::find(text) {
+            return Ok(name.into());
+        }
+        let degrees = text.parse().ok().filter(|x: &f64| x.abs() <= 360.0).and_then(Self::degrees);
+        degrees.ok_or_else(|| ViewError { text: text.chars().take(40).collect() })
+    }
+}
 
 /// Where the viewer stands.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -27,33 +105,9 @@ impl Camera {
         Self { right, up: near.cross(&right), near }
     }
 
-    /// A viewer at `yaw_deg` around a body that faces `facing` (rad, yaw): 0 sees it from the front, 90
-    /// from its left, 180 from behind; looking down a little.
-    pub fn around(facing: f64, yaw_deg: f64) -> Self {
-        Self::new(facing + yaw_deg.to_radians(), PITCH)
-    }
-
-    /// A three-quarter or side view in which `clips` show their motion best, for a body that faces
-    /// `forward` (rad, yaw).
-    ///
-    /// Of views from the front half, the one in which the links' positions (against the root's horizontal
-    /// position) vary most on the picture; a view that shows the face wins against one that shows a
-    /// little more motion from the side.
-    pub fn most_motion(clips: &[&Clip], forward: f64) -> Self {
-        let candidates = [(38.0, 1.0), (-38.0, 1.0), (62.0, 0.95), (-62.0, 0.95), (90.0, 0.8), (-90.0, 0.8)];
-        let score = |(deg, weight): (f64, f64)| {
-            let camera = Self::around(forward, deg);
-            weight * clips.iter().map(|c| camera.motion(c)).sum::<f64>()
-        };
-        // the first candidate has 2 % in hand and later ones must exceed the best by 1e-6, so that rounding never decides a tie
-        let mut best = (candidates[0], score(candidates[0]) * 1.02);
-        for c in &candidates[1..] {
-            let s = score(*c);
-            if s > best.1 * (1.0 + 1e-6) {
-                best = (*c, s);
-            }
-        }
-        Self::around(forward, best.0.0)
+    /// A viewer around a body that faces `facing` (rad, yaw), looking down a little.
+    pub fn around(facing: f64, view: View) -> Self {
+        Self::new(facing + view.yaw_deg().to_radians(), PITCH)
     }
 
     /// `(right, up, near)` of a world point, m.
@@ -64,28 +118,6 @@ impl Camera {
     /// Direction towards the viewer, world.
     pub fn near(&self) -> Vec3 {
         self.near
-    }
-
-    /// Sum over links of the spread of their pictured positions over time, m.
-    fn motion(&self, clip: &Clip) -> f64 {
-        let samples = 24;
-        let links = clip.skeleton.links().len();
-        let mut pose = vec![0.0; clip.skeleton.nq()];
-        let mut kinematics = Kinematics::new(&clip.skeleton, clip.pose(0));
-        let (mut sum, mut square) = (vec![Vec3::zeros(); links], vec![0.0; links]);
-        for i in 0..samples {
-            clip.sample(clip.duration_s() * f64::from(i) / f64::from(samples - 1), &mut pose);
-            kinematics.update(&clip.skeleton, &pose);
-            let root = kinematics.origin(0);
-            for link in 0..links {
-                let mut at = self.project(&(kinematics.origin(link) - Vec3::new(root.x, 0.0, root.z)));
-                at.z = 0.0;
-                sum[link] += at;
-                square[link] += at.norm_squared();
-            }
-        }
-        let n = f64::from(samples);
-        (0..links).map(|l| (square[l] / n - (sum[l] / n).norm_squared()).max(0.0).sqrt()).sum()
     }
 }
 
@@ -129,10 +161,10 @@ mod tests {
     #[test]
     fn around_counts_from_the_front_to_the_left() {
         let facing = 0.5 * std::f64::consts::PI;
-        let front = Camera::around(facing, 0.0).project(&Vec3::x());
+        let front = Camera::around(facing, ViewName::Front.into()).project(&Vec3::x());
         assert!(front.z > 0.98 && front.x.abs() < 1e-15, "{front}");
         // facing +x, the left is −z
-        let left = Camera::around(facing, 90.0);
+        let left = Camera::around(facing, ViewName::Side.into());
         assert!(left.project(&-Vec3::z()).z > 0.98);
         assert!(left.project(&Vec3::x()).x < -0.99);
     }

@@ -20,6 +20,12 @@ pub type Px = [f64; 2];
 
 /// Subpixels per pixel of the page.
 const FINE: f64 = 4.0;
+/// Longest side of a page, px.
+const MOST_SIDE: f64 = 16_384.0;
+/// Largest page, px: drawn at [`FINE`] it takes some 400 MB.
+const MOST_AREA: f64 = 8e6;
+/// Farthest from the page's corner that anything is drawn, px: backends walk over every pixel of a line, seen or not.
+const FARTHEST: f64 = 1e5;
 
 /// Which end of a text its position is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -78,6 +84,16 @@ pub enum FigureError {
         path: PathBuf,
         /// What it said.
         source: io::Error,
+    },
+    /// A page larger than any that is drawn.
+    #[error(
+        "the figure would be {width} × {height} px; allowed: up to {MOST_SIDE} px a side and {MOST_AREA} px in all"
+    )]
+    Size {
+        /// Width, px.
+        width: f64,
+        /// Height, px.
+        height: f64,
     },
     /// The drawing or encoding failed.
     #[error("cannot draw {path}: {reason}")]
@@ -212,11 +228,22 @@ impl Figure {
         }
     }
 
+    /// Refuses a page that is too large, or has no size at all.
+    fn check(&self) -> Result<(), FigureError> {
+        let (width, height) = (self.width, self.height);
+        let within = |x: f64| (1.0..=MOST_SIDE).contains(&x);
+        match within(width) && within(height) && width * height <= MOST_AREA {
+            true => Ok(()),
+            false => Err(FigureError::Size { width, height }),
+        }
+    }
+
     /// The page as an SVG document.
     ///
     /// # Errors
-    /// `Draw`, if the backend fails.
+    /// `Size`; `Draw`, if the backend fails.
     pub fn svg(&self) -> Result<String, FigureError> {
+        self.check()?;
         let fine = self.fine_size();
         let mut text = String::new();
         let mut backend = SVGBackend::with_string(&mut text, fine);
@@ -231,8 +258,9 @@ impl Figure {
     /// The page as pixels, RGB, row by row from the top.
     ///
     /// # Errors
-    /// `Draw`, if the backend fails.
+    /// `Size`; `Draw`, if the backend fails.
     pub fn pixels(&self) -> Result<Vec<u8>, FigureError> {
+        self.check()?;
         let (w, h) = self.fine_size();
         let mut fine = vec![255; (w * h * 3) as usize];
         let mut backend = BitMapBackend::with_buffer(&mut fine, (w, h));
@@ -261,7 +289,7 @@ impl Figure {
     /// Writes `<stem>.svg` and `<stem>.png` into `dir`, under temporary names first, and returns both paths.
     ///
     /// # Errors
-    /// `Io` or `Draw`; earlier files stay whole.
+    /// `Io`, `Size` or `Draw`; earlier files stay whole.
     pub fn save(&self, dir: &Path, stem: &str) -> Result<[PathBuf; 2], FigureError> {
         let paths = ["svg", "png"].map(|kind| dir.join(format!("{stem}.{kind}")));
         self.save_svg(&paths[0])?;
@@ -272,7 +300,7 @@ impl Figure {
     /// Writes the figure as SVG, under a temporary name first.
     ///
     /// # Errors
-    /// `Io` or `Draw`; an earlier file stays whole.
+    /// `Io`, `Size` or `Draw`; an earlier file stays whole.
     pub fn save_svg(&self, path: &Path) -> Result<(), FigureError> {
         let temporary = temporary(path);
         let written = std::fs::write(&temporary, self.svg()?);
@@ -283,7 +311,7 @@ impl Figure {
     /// The figure as the bytes of a PNG file.
     ///
     /// # Errors
-    /// `Io` or `Draw`.
+    /// `Io`, `Size` or `Draw`.
     pub fn png(&self) -> Result<Vec<u8>, FigureError> {
         let name = format!("contrapposto-{}-{:p}.png", std::process::id(), self);
         let path = std::env::temp_dir().join(name);
@@ -296,7 +324,7 @@ impl Figure {
     /// Writes the figure as PNG, under a temporary name first.
     ///
     /// # Errors
-    /// `Io` or `Draw`; an earlier file stays whole.
+    /// `Io`, `Size` or `Draw`; an earlier file stays whole.
     pub fn save_png(&self, path: &Path) -> Result<(), FigureError> {
         let temporary = temporary(path);
         let (pixels, size) = (self.pixels()?, (self.width as u32, self.height as u32));
@@ -389,7 +417,8 @@ fn is_finite(p: &Px) -> bool {
 }
 
 fn fine(p: &Px) -> (i32, i32) {
-    ((p[0] * FINE).round() as i32, (p[1] * FINE).round() as i32)
+    let fine = |x: f64| (x.clamp(-FARTHEST, FARTHEST) * FINE).round() as i32;
+    (fine(p[0]), fine(p[1]))
 }
 
 fn rgb(c: Color) -> RGBColor {

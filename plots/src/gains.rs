@@ -23,6 +23,43 @@ const MOST: usize = 8;
 /// Panels side by side: gains and torque of two joints.
 const COLUMNS: usize = 4;
 
+/// Torques of a joint over time, with what each axis is called: of a ball about its two swing axes and its twist axis.
+///
+/// * `torque`: as the trace has it, `rows × nv`, N·m (N for a slide)
+pub(crate) fn about_axes(
+    trace: &Excerpt,
+    torque: &[f64],
+    link: usize,
+    rows: usize,
+) -> Vec<(String, Vec<f64>)> {
+    let skeleton = &trace.character.skeleton;
+    let l = &skeleton.links()[link];
+    let (nv, at) = (skeleton.nv(), skeleton.v_at(link));
+    let cell = |row: usize, k: usize| torque[row * nv + at + k];
+    let one = |name: &str| vec![(name.to_owned(), (0..rows).map(|r| cell(r, 0)).collect())];
+    match l.joint {
+        Joint::Spherical => {
+            let limits = anatomy(l.limits.as_ref());
+            let along = |row: usize| {
+                let t = Vec3::new(cell(row, 0), cell(row, 1), cell(row, 2));
+                let phi = limits.coords(&skeleton.rotation(trace.pose(row), link));
+                let swing = exp(&(limits.axes[0] * phi.x + limits.axes[1] * phi.y));
+                [t.dot(&limits.axes[0]), t.dot(&limits.axes[1]), t.dot(&(swing * limits.axes[2]))]
+            };
+            let rows: Vec<[f64; 3]> = (0..rows).map(along).collect();
+            let column = |(k, name): (usize, String)| (name, rows.iter().map(|r| r[k]).collect());
+            ball_axes(&limits).into_iter().enumerate().map(column).collect()
+        }
+        Joint::Prismatic(_) => one("slide"),
+        _ => one("hinge"),
+    }
+}
+
+/// Largest size of what is finite.
+pub(crate) fn peak(values: &[f64]) -> f64 {
+    values.iter().filter(|x| x.is_finite()).fold(0.0, |p: f64, x| p.max(x.abs()))
+}
+
 /// Gains and torque over time of the joints with the largest torques.
 pub fn gains_and_torques<'a>(trace: impl Into<Excerpt<'a>>, note: &str) -> Figure {
     let trace = &trace.into();
@@ -68,33 +105,14 @@ struct Working {
 
 impl Working {
     fn of(trace: &Excerpt, link: usize, rows: usize) -> Self {
-        let skeleton = &trace.character.skeleton;
-        let l = &skeleton.links()[link];
-        let (nv, at) = (skeleton.nv(), skeleton.v_at(link));
-        let cell = |row: usize, k: usize| trace.torque[row * nv + at + k];
-        let (torques, names): (Vec<Vec<f64>>, Vec<String>) = match l.joint {
-            Joint::Spherical => {
-                let limits = anatomy(l.limits.as_ref());
-                let along = |row: usize| {
-                    let t = Vec3::new(cell(row, 0), cell(row, 1), cell(row, 2));
-                    let phi = limits.coords(&skeleton.rotation(trace.pose(row), link));
-                    let swing = exp(&(limits.axes[0] * phi.x + limits.axes[1] * phi.y));
-                    [t.dot(&limits.axes[0]), t.dot(&limits.axes[1]), t.dot(&(swing * limits.axes[2]))]
-                };
-                let rows: Vec<[f64; 3]> = (0..rows).map(along).collect();
-                ((0..3).map(|k| rows.iter().map(|r| r[k]).collect()).collect(), ball_axes(&limits))
-            }
-            Joint::Prismatic(_) => (vec![(0..rows).map(|r| cell(r, 0)).collect()], vec!["slide".into()]),
-            _ => (vec![(0..rows).map(|r| cell(r, 0)).collect()], vec!["hinge".into()]),
-        };
-        let peak = |t: &Vec<f64>| t.iter().filter(|x| x.is_finite()).fold(0.0, |p: f64, x| p.max(x.abs()));
+        let torques = about_axes(trace, &trace.torque, link, rows);
         let mut axis = 0;
         for k in 1..torques.len() {
-            if peak(&torques[k]) > peak(&torques[axis]) {
+            if peak(&torques[k].1) > peak(&torques[axis].1) {
                 axis = k;
             }
         }
-        let (torque, name) = (torques[axis].clone(), names[axis].clone());
+        let (name, torque) = torques[axis].clone();
         Self { link, axis, name, peak: peak(&torque), torque }
     }
 

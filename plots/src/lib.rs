@@ -24,6 +24,7 @@
 //! | [`retargeted`] | latent paths, momentum and force matched, confidence, tables |
 //! | [`stages`] | film strip with a column for every stage of a motion on its way to another body |
 //! | [`excerpt`] | a span of a trace, chosen joints |
+//! | `face` | eyes and nose of bare heads |
 //! | [`camera`], [`solid`] | who looks at them, and how shapes become polygons |
 //! | [`panel`] | axes, curves, legends, pages of small multiples |
 //! | [`figure`] | a page as a list of marks; SVG and PNG |
@@ -38,6 +39,7 @@ mod columns;
 pub mod contacts;
 pub mod energy;
 pub mod excerpt;
+mod face;
 pub mod figure;
 pub mod gains;
 pub mod graded;
@@ -57,7 +59,7 @@ pub mod tuning;
 
 pub use angles::joint_angles;
 pub use balance::center_of_mass;
-pub use camera::Camera;
+pub use camera::{Camera, View, ViewName};
 pub use contacts::contact_forces;
 pub use energy::energies;
 pub use excerpt::Excerpt;

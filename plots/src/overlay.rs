@@ -74,6 +74,10 @@ pub fn reference(sources: &[ForceSource]) -> Option<&ForceSource> {
     of(ForceSourceKind::Measured).or_else(|| of(ForceSourceKind::Required)).or(sources.first())
 }
 
+/// A penalty contact whose vertical force differs by more than this share of the body's weight RMS says nothing of a motion but
+/// how its soles were captured: it is left out, and the note says so.
+const MEANINGLESS: f64 = 0.5;
+
 /// Ground forces over each other; `weight_n` is the body weight.
 pub fn contact_overlay(sources: &[ForceSource], weight_n: f64, note: &str) -> Figure {
     let title = "Ground forces: required, given, measured";
@@ -85,6 +89,25 @@ pub fn contact_overlay(sources: &[ForceSource], weight_n: f64, note: &str) -> Fi
     }
     let mut order: Vec<&ForceSource> = sources.iter().collect();
     order.sort_by_key(|w| w.kind);
+    let mut left_out = String::new();
+    order.retain(|w| {
+        let rms = match w.kind {
+            ForceSourceKind::Given => {
+                let pair = [&reference.forces, &w.forces];
+                GroundForces::rms_difference(pair, &reference.forces.total, &w.forces.total)
+            }
+            _ => None,
+        };
+        let meaningless = rms.filter(|[up, _]| w.kind != reference.kind && *up > MEANINGLESS * weight_n);
+        if let Some([up, _]) = meaningless {
+            let percent = 100.0 * up / weight_n;
+            left_out = format!(
+                " · penalty contact is off by {} N RMS ({percent:.0} % of body weight) and is not drawn",
+                short(up)
+            );
+        }
+        meaningless.is_none()
+    });
     let keys = order.iter().map(|w| {
         let (color, _, stroke) = w.kind.look();
         Key { label: w.label.clone(), color, sample: Sample::Line(stroke) }
@@ -98,7 +121,7 @@ pub fn contact_overlay(sources: &[ForceSource], weight_n: f64, note: &str) -> Fi
     }
     label_time(&mut panels, 2);
     let note = format!(
-        "{note}{}over each panel: RMS of the difference from what is {}",
+        "{note}{}over each panel: RMS of the difference from what is {}{left_out}",
         if note.is_empty() { "" } else { " · " },
         reference.kind.name()
     );

@@ -10,7 +10,7 @@
 use bodies::Character;
 use motion::{Clip, Kinematics, Vec3};
 
-use crate::camera::{Camera, facing};
+use crate::camera::{Camera, View, facing};
 use crate::figure::{Anchor, Figure};
 use crate::panel::header;
 use crate::solid::hull_points;
@@ -32,14 +32,14 @@ pub struct StageColumn<'a> {
 
 /// Figures of each column at `times` (s), one row a moment.
 ///
-/// `yaw_deg` is where the viewer stands around the first column's body, as in [`StripOptions`].
-pub fn stage_strip(columns: &[StageColumn], times: &[f64], yaw_deg: f64, note: &str) -> Figure {
+/// `view` is where the viewer stands around the first column's body, as in [`StripOptions`].
+pub fn stage_strip(columns: &[StageColumn], times: &[f64], view: View, note: &str) -> Figure {
     let title = "From the performer to the character";
     let columns: Vec<&StageColumn> = columns.iter().filter(|c| c.clip.frames() > 0).collect();
     let (Some(first), Some(last)) = (columns.first(), columns.last()) else {
         return crate::columns::empty_page(title, note, "no frames");
     };
-    let camera = Camera::around(facing(&first.clip.skeleton, first.clip.pose(0)), yaw_deg);
+    let camera = Camera::around(facing(&first.clip.skeleton, first.clip.pose(0)), view);
     let tall = height(last.character);
     let mut scene = Scene { times: times.to_vec(), rows: Vec::new(), extent: [0.0; 4] };
     for &t in times {
@@ -95,12 +95,12 @@ pub struct PosePair<'a> {
 }
 
 /// All key poses of a character, each beside the human pose it stands for, seen from the front with the heading
-/// taken out, `yaw_deg` to the left; as many pairs in a row as there is room for.
+/// taken out; as many pairs in a row as there is room for.
 pub fn pose_sheet(
     pairs: &[PosePair],
     character: &Character,
     colors: &[Option<[u8; 3]>],
-    yaw_deg: f64,
+    view: View,
     note: &str,
 ) -> Figure {
     const COLUMNS: usize = 7;
@@ -108,7 +108,7 @@ pub fn pose_sheet(
     let tall = height(character);
     let one = |body: &Character, q: &[f64], colors: &[Option<[u8; 3]>]| {
         let k = Kinematics::new(&body.skeleton, q);
-        let camera = Camera::around(facing(&body.skeleton, q), yaw_deg);
+        let camera = Camera::around(facing(&body.skeleton, q), view);
         let options = StripOptions { colors: colors.to_vec(), ..Default::default() };
         let mut frame = painted(&k, body, &camera, &drawn_floor(0.0), &options);
         let at = k.origin(0);

@@ -3,15 +3,17 @@
 //! In: clips of one character. Out: a [`Figure`]: solid bodies on a floor, left and right limbs in
 //! different tints, times below. All rows share times, scale and viewer, so that figures above each
 //! other can be compared. A motion that travels is followed; one that stays is not, so that planted
-//! feet are seen to stay. Where the ground is tilted each figure stands on a plate as steep as it then is.
+//! feet are seen to stay. Where the ground is tilted each figure stands on a plate as steep as it then is. A figure that is
+//! farther from the ground than a jump goes is drawn on the floor line without a shadow, and how far it is stands under it.
 //!
 //! Source: Neff, Fiume. Aesthetic Edits for Character Animation, SCA 2003 (NF03).
 
 use bodies::{Character, JointClass};
 use motion::support::Vec2;
-use motion::{Clip, Floor, Joint, Kinematics, Vec3};
+use motion::{Clip, Floor, Joint, Kinematics, Transform, Vec3};
 
-use crate::camera::{Camera, facing};
+use crate::camera::{Camera, View, facing};
+use crate::face::{Face, Feature};
 use crate::figure::{Anchor, Figure, Px};
 use crate::panel::header;
 use crate::solid::{BANDS, Facet, Solid, flat, grown, shadow, skin, solid};
@@ -55,11 +57,8 @@ pub struct StripOptions {
     pub width: f64,
     /// Greatest height of a standing body, px.
     pub body_height: f64,
-    /// Who looks; `None` leaves it to `yaw_deg`.
-    pub camera: Option<Camera>,
-    /// Where the viewer stands around the body of the first row, degrees: 0 in front of it, 90 on its
-    /// left ([`Camera::around`]); `None` chooses the view in which the motion shows best.
-    pub yaw_deg: Option<f64>,
+    /// Where the viewer stands around the body of the first row.
+    pub view: View,
     /// First moment shown, s of the clips.
     pub from_s: f64,
     /// Last moment shown, s of the clips; `None` is the end of the longest.
@@ -78,8 +77,7 @@ impl Default for StripOptions {
             count: 8,
             width: 1600.0,
             body_height: 330.0,
-            camera: None,
-            yaw_deg: None,
+            view: View::default(),
             from_s: 0.0,
             to_s: None,
             ground_m: None,
@@ -103,6 +101,11 @@ const PLATE_COLOR: Color = Color(228, 231, 235);
 const PLATE: f64 = 0.3;
 /// Travel of the root, m, over which the viewer follows.
 const FOLLOW: f64 = 0.6;
+/// An eye is drawn where the cosine of the angle between its look and the viewer is more than this: nearer to the edge of the
+/// head it would stick out.
+const EDGE: f64 = 0.12;
+/// Height over the ground, or depth below it, m, beyond which a figure is not drawn where it is.
+const AWAY: f64 = 2.5;
 
 /// Figures of each row, `count` of them, evenly spaced in time. See [`film_strip_with`].
 pub fn film_strip(rows: &[StripRow], character: &Character, count: usize, note: &str) -> Figure {
@@ -135,7 +138,7 @@ pub fn film_strip_with(
         for (i, frame) in scene.rows[r].iter().enumerate() {
             layout.body(&mut figure, r, i, frame);
             let at = [layout.slot_middle(i), layout.row(r).0 + layout.under + LABEL + 6.0];
-            let time = format!("{:.2} s", scene.times[i]);
+            let time = format!("{:.2} s{}", scene.times[i], frame.away.map_or(String::new(), away));
             figure.text(time, at, LABEL, style::SOFT, Anchor::Middle);
         }
     }
@@ -148,6 +151,19 @@ pub(crate) struct Frame {
     plate: Vec<Vec2>,
     groups: Vec<Group>,
     shadows: Vec<Vec<Vec2>>,
+    /// Height over the ground, m, if that is too far to be drawn.
+    away: Option<f64>,
+}
+
+/// What is said of a figure that is this far over the ground, m.
+fn away(height: f64) -> String {
+    let (far, word) = (height.abs(), if height > 0.0 { "higher" } else { "lower" });
+    match far {
+        1e7.. => format!(", {:.0e} km {word}", far / 1e3),
+        1e4.. => format!(", {:.0} km {word}", far / 1e3),
+        1e2.. => format!(", {far:.0} m {word}"),
+        _ => format!(", {far:.1} m {word}"),
+    }
 }
 
 /// Solids with one contour around all of them: the trunk, the head, a limb.
@@ -155,6 +171,8 @@ struct Group {
     solids: Vec<Solid>,
     tint: Color,
     near: f64,
+    /// Width of the dark line around it, px.
+    rim: f64,
 }
 
 pub(crate) struct Scene {
@@ -174,15 +192,16 @@ impl Scene {
         let times: Vec<f64> = (0..count).map(|i| from + step * i as f64).collect();
         let clips: Vec<&Clip> = rows.iter().map(|r| r.clip).collect();
         let forward = clips.first().map_or(0.0, |c| facing(&c.skeleton, c.pose(0)));
-        let camera = options.camera.unwrap_or_else(|| match options.yaw_deg.filter(|y| y.is_finite()) {
-            Some(yaw) => Camera::around(forward, yaw),
-            None => Camera::most_motion(&clips, forward),
-        });
+        let camera = Camera::around(forward, options.view);
         let poses: Vec<Vec<Kinematics>> =
             clips.iter().map(|c| times.iter().map(|&t| posed(c, t)).collect()).collect();
 
         let all = || poses.iter().flatten();
-        let ground = options.ground_m.unwrap_or_else(|| lowest(all(), character));
+        let ground = options.ground_m.unwrap_or_else(|| {
+            let (low, first) = (lowest(all(), character), lowest(all().take(1), character));
+            // a body that falls without end is measured from where it began
+            if first - low > AWAY { first } else { low }
+        });
         let start = poses.first().and_then(|r| r.first()).map_or(Vec3::zeros(), |k| k.origin(0));
         let level = |p: Vec3| Vec3::new(p.x, ground, p.z);
         let travels = all().any(|k| (level(k.origin(0)) - level(start)).norm() > FOLLOW);
@@ -190,6 +209,13 @@ impl Scene {
             let origin = level(if travels { k.origin(0) } else { start });
             let floor = Floor { up: row.up(t), ..drawn_floor(ground) };
             let mut frame = painted(k, character, &camera, &floor, options);
+            let height = lowest(std::iter::once(k), character) - floor.under(&origin).y;
+            if height.abs() > AWAY {
+                frame.away = Some(height);
+                frame.shadows.clear();
+                frame.shift(&camera.project(&(origin + Vec3::y() * height)));
+                return frame;
+            }
             if floor.up != Vec3::y() {
                 frame.plate = plate(&floor, &origin, &camera);
             }
@@ -317,7 +343,7 @@ fn draw(
 ) -> Frame {
     let count = group_of.iter().max().map_or(0, |m| m + 1);
     let mut groups: Vec<Group> =
-        (0..count).map(|_| Group { solids: Vec::new(), tint: MIDDLE, near: 0.0 }).collect();
+        (0..count).map(|_| Group { solids: Vec::new(), tint: MIDDLE, near: 0.0, rim: CONTOUR }).collect();
     let mut shadows = Vec::new();
     let links = character.skeleton.links();
     let spine = |link: usize| matches!(character.classes[link], JointClass::Root | JointClass::Spine);
@@ -344,6 +370,11 @@ fn draw(
         g.solids.sort_by(|a, b| a.near.total_cmp(&b.near));
     }
     draw_welded_groups_over(k, character, camera, group_of, &mut groups);
+    if let Some(face) = Face::of(character) {
+        draw_face(&face, &k.world[face.link], camera, &groups[group_of[face.link]])
+            .into_iter()
+            .for_each(|g| groups.push(g));
+    }
     groups.retain(|g| !g.solids.is_empty());
     groups.sort_by(|a, b| a.near.total_cmp(&b.near));
     // groups farther from the viewer are mixed with up to 18 % white
@@ -354,7 +385,7 @@ fn draw(
         let facets = g.solids.iter_mut().flat_map(|s| &mut s.facets);
         facets.for_each(|f| f.color = f.color.mix(WHITE, haze));
     }
-    Frame { plate: Vec::new(), groups, shadows }
+    Frame { plate: Vec::new(), groups, shadows, away: None }
 }
 
 /// Draws what is welded to a link (a belly, eyes, a bulb) right over its group, or right under it if it is on the
@@ -380,6 +411,25 @@ fn draw_welded_groups_over(
         let side = if near(i) >= near(parent) { 1e-6 } else { -1e-6 };
         groups[group_of[i]].near = groups[group_of[parent]].near + side * (1.0 + i as f64);
     }
+}
+
+/// The parts of a face that are seen, right over the group of its head; a nose that points away, right under it.
+fn draw_face(face: &Face, world_from_head: &Transform, camera: &Camera, head: &Group) -> Vec<Group> {
+    let toward = |f: &Feature| camera.near().dot(&(world_from_head.rotation * f.faces));
+    let mut drawn = Vec::new();
+    for (i, feature) in face.features.iter().enumerate() {
+        let toward = toward(feature);
+        let is_nose = i + 1 == face.features.len();
+        if !is_nose && toward < EDGE {
+            continue;
+        }
+        let (tint, rim) = (feature.color(head.tint), if is_nose { NOSE_RIM } else { EYE_RIM });
+        let side = if toward > 0.0 { 1e-7 } else { -1e-7 };
+        let near = head.near + side * (1.0 + i as f64);
+        let solids = vec![solid(&feature.shape, world_from_head, camera, tint)];
+        drawn.push(Group { solids, tint, near, rim });
+    }
+    drawn
 }
 
 impl Frame {
@@ -424,8 +474,10 @@ pub(crate) struct Layout {
 const ROW_GAP: f64 = 16.0;
 const HEADROOM: f64 = 34.0;
 const TIMES: f64 = LABEL + 20.0;
-/// Width of the dark line around a body, px.
+/// Width of the dark line around a body, px, and around the parts of a face, which are small.
 const CONTOUR: f64 = 1.6;
+const NOSE_RIM: f64 = 0.9;
+const EYE_RIM: f64 = 0.2;
 
 impl Layout {
     pub(crate) fn new(scene: &Scene, options: &StripOptions, top: f64) -> Self {
@@ -434,7 +486,7 @@ impl Layout {
         let slot = (width - 24.0) / options.count.max(1) as f64;
         let wide = (right - left).max(1e-3);
         // the contour adds 2 px on both sides
-        let scale = ((slot - 14.0) / wide).min(options.body_height / (high - low).max(1e-3)).max(1.0);
+        let scale = ((slot - 14.0) / wide).min(options.body_height / (high - low).max(1e-3));
         Self {
             scale,
             slot,
@@ -502,7 +554,7 @@ impl Layout {
         for group in &frame.groups {
             let contour = group.tint.mix(INK, 0.72);
             for s in &group.solids {
-                let rim = grown(&s.outline, CONTOUR / self.scale);
+                let rim = grown(&s.outline, group.rim / self.scale);
                 figure.fill(self.page(row, slot, &rim), contour);
             }
             let facet = |figure: &mut Figure, f: &Facet| {

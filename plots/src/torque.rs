@@ -1,23 +1,24 @@
 //! Torques of the joints that work hardest.
 //!
 //! In: a [`Trace`](dynamics::Trace), and the noise floor of each torque where it comes from inverse
-//! dynamics. Out: a page with a panel per joint: the size of its torque (of a ball the length of the
-//! vector), of its muscles and of the stops at the ends of its range; a pale band up to twice the
-//! standard deviation of what is only noise.
+//! dynamics. Out: a page with a panel per joint: the torque of its muscles and, dashed, of the stops at the ends of its range, of
+//! a ball about each of its axes; a pale band up to twice the standard deviation of what is only noise.
 
-use motion::{Joint, Vec3};
+use motion::Joint;
 
 use crate::angles::label_time;
 use crate::columns::{WIDTH, empty_page, rows, short};
 use crate::excerpt::Excerpt;
 use crate::figure::Figure;
-use crate::gains::zero;
+use crate::gains::{about_axes, peak, zero};
 use crate::panel::{Band, Key, Panel, Series, page};
-use crate::style::{BLUE, Color, VERMILION};
+use crate::style::{BLUE, Color, GREEN, VERMILION};
 
 /// Joints shown.
 const MOST: usize = 12;
 const NOISE: Color = Color(236, 236, 236);
+/// Of the axes of a joint.
+const AXES: [Color; 3] = [BLUE, VERMILION, GREEN];
 
 /// Torques of the joints with the largest ones; `noise` is the standard deviation of each entry of a row
 /// (`nv`), empty when there is none.
@@ -34,8 +35,8 @@ pub fn joint_torques<'a>(trace: impl Into<Excerpt<'a>>, noise: &[f64], note: &st
     let mut working: Vec<(usize, f64)> = joints
         .into_iter()
         .map(|link| {
-            let sizes = sizes(trace, &trace.torque, link, rows);
-            (link, sizes.into_iter().filter(|x| x.is_finite()).fold(0.0, f64::max))
+            let axes = about_axes(trace, &trace.torque, link, rows);
+            (link, axes.iter().map(|(_, values)| peak(values)).fold(0.0, f64::max))
         })
         .collect();
     let all = working.len();
@@ -46,9 +47,9 @@ pub fn joint_torques<'a>(trace: impl Into<Excerpt<'a>>, noise: &[f64], note: &st
         _ => note.to_owned(),
     };
     let stops = trace.stop_torque.iter().any(|x| *x != 0.0);
-    let mut keys = vec![Key::line("torque", BLUE)];
+    let mut keys = vec![Key::line("torque of the muscles, about each axis of a ball", BLUE)];
     if stops {
-        keys.push(Key::line("stops at the ends of the range", VERMILION));
+        keys.push(Key::dashed("of the stops at the ends of the range", BLUE));
     }
     if !noise.is_empty() {
         keys.push(Key::area("noise: up to two standard deviations", NOISE));
@@ -65,20 +66,28 @@ fn panel(trace: &Excerpt, link: usize, peak: f64, rows: usize, noise: &[f64], st
     let l = &skeleton.links()[link];
     let (at, n) = (skeleton.v_at(link), l.joint.nv());
     let unit = if matches!(l.joint, Joint::Prismatic(_)) { "N" } else { "N·m" };
-    let floor = noise.get(at..at + n).map(|s| 2.0 * s.iter().map(|x| x * x).sum::<f64>().sqrt());
-    let mut series = vec![Series::over_time(trace.clock(), sizes(trace, &trace.torque, link, rows), BLUE)];
+    let floor = noise.get(at..at + n).map(|s| 2.0 * s.iter().copied().fold(0.0, f64::max));
+    let curves = |torque: &[f64]| {
+        let all = signed(trace, torque, link, rows).into_iter().zip(AXES);
+        all.map(|((_, values), color)| Series::over_time(trace.clock(), values, color)).collect::<Vec<_>>()
+    };
+    let mut series = curves(&trace.torque);
     if stops && trace.stop_torque.len() >= rows * skeleton.nv() {
-        let of_stops = sizes(trace, &trace.stop_torque, link, rows);
-        series.push(Series::over_time(trace.clock(), of_stops, VERMILION));
+        let of_stops =
+            curves(&trace.stop_torque).into_iter().filter(|s| s.points.iter().any(|p| p[1].abs() > 0.0));
+        series.extend(of_stops.map(|s| s.dashed().wide(1.2)));
     }
+    let names = signed(trace, &trace.torque, link, rows).into_iter().map(|(name, _)| name);
+    let tags = if n > 1 { names.zip(AXES).collect() } else { Vec::new() };
     let per_mass = peak / trace.character.mass();
     Panel {
         title: format!("{} · peak {} {unit}, {} {unit}/kg", l.name, short(peak), short(per_mass)),
         y_label: unit.into(),
         series,
+        tags,
         bands: floor
             .filter(|f| *f > 0.0)
-            .map(|to| vec![Band { from: 0.0, to, color: NOISE }])
+            .map(|to| vec![Band { from: -to, to, color: NOISE }])
             .unwrap_or_default(),
         guides: vec![zero(true)],
         least_span: 1.0,
@@ -86,15 +95,13 @@ fn panel(trace: &Excerpt, link: usize, peak: f64, rows: usize, noise: &[f64], st
     }
 }
 
-/// Length of a joint's torque per row.
-fn sizes(trace: &Excerpt, torque: &[f64], link: usize, rows: usize) -> Vec<f64> {
-    let skeleton = &trace.character.skeleton;
-    let (nv, at) = (skeleton.nv(), skeleton.v_at(link));
-    let size = |row: usize| match skeleton.links()[link].joint {
-        Joint::Spherical => Vec3::from_column_slice(&torque[row * nv + at..row * nv + at + 3]).norm(),
-        _ => torque[row * nv + at].abs(),
-    };
+/// Torques of a joint per axis and row.
+fn signed(trace: &Excerpt, torque: &[f64], link: usize, rows: usize) -> Vec<(String, Vec<f64>)> {
+    let mut axes = about_axes(trace, torque, link, rows);
     // at the start of a recorded run nothing has acted yet
-    let nothing = torque[..nv].iter().all(|x| *x == 0.0) && rows > 1;
-    (0..rows).map(|row| if row == 0 && nothing { f64::NAN } else { size(row) }).collect()
+    let nv = trace.character.skeleton.nv();
+    if rows > 1 && torque[..nv].iter().all(|x| *x == 0.0) {
+        axes.iter_mut().for_each(|(_, values)| values[0] = f64::NAN);
+    }
+    axes
 }

@@ -10,7 +10,7 @@ use motion::Vec3;
 use motion::smooth::Smoothing;
 use plots::figure::Mark;
 use plots::{
-    Excerpt, Figure, ForceSource, ForceSourceKind, Spoke, StripOptions, StripRow, contact_overlay,
+    Excerpt, Figure, ForceSource, ForceSourceKind, Spoke, StripOptions, StripRow, View, contact_overlay,
     film_strip_with, graded_residual, push_map, style,
 };
 
@@ -63,7 +63,7 @@ fn strip(count: usize) -> Figure {
     let character = sample::human();
     let (plain, edited) = (sample::bow(&character, 0.0), sample::bow(&character, 0.2));
     let rows = [StripRow::new("unedited", &plain), StripRow::new("edited", &edited)];
-    let options = StripOptions { count, yaw_deg: Some(-50.0), ..StripOptions::default() };
+    let options = StripOptions { count, view: View::degrees(-50.0).unwrap(), ..StripOptions::default() };
     film_strip_with(&rows, &character, "bow: succession", &options)
 }
 
@@ -288,4 +288,40 @@ fn penalty_off_the_scale_is_cut_and_said() {
         assert!(left >= -1.0 && top >= -1.0 && right <= figure.width + 1.0 && bottom <= figure.height + 1.0);
     }
     assert!(!contact_overlay(&sources(&trace), 735.0, "").svg().unwrap().contains("off scale"));
+}
+
+/// A body that falls for a minute and one that is at the edge of the world: the strip has the size of any other, and says how
+/// far it is.
+#[test]
+fn a_strip_of_a_long_fall_is_bounded_and_says_how_far() {
+    let character = sample::human();
+    let bow = sample::bow(&character, 0.0);
+    let whole = film_strip_with(&[StripRow::new("bow", &bow)], &character, "", &StripOptions::default());
+    for (lowest, words) in [(-17_658.0, "18 km lower"), (-31.4, "31.4 m lower"), (1e12, "1e9 km higher")] {
+        let mut clip = bow.clone();
+        let end = clip.duration_s();
+        for f in 0..clip.frames() {
+            let s = f as f64 / clip.rate_hz / end;
+            clip.pose_mut(f)[1] += lowest * s * s;
+        }
+        let figure =
+            film_strip_with(&[StripRow::new("fall", &clip)], &character, "", &StripOptions::default());
+        assert!(figure.height < whole.height + 100.0, "{lowest}: {} px", figure.height);
+        let says = |m: &Mark| matches!(m, Mark::Text { text, .. } if text.ends_with(words));
+        assert!(figure.marks.iter().any(says), "{lowest}: {words}");
+        assert!(figure.pixels().is_ok() && figure.svg().is_ok());
+    }
+}
+
+/// A page beyond all measure is an error, not a panic and not all memory; what lies far outside a page costs no time.
+#[test]
+fn a_page_too_large_is_refused() {
+    for (width, height) in [(1600.0, 1e6), (1e9, 1e9), (f64::NAN, 100.0), (1600.0, 0.0), (4000.0, 4000.0)] {
+        let figure = Figure::new(width, height);
+        assert!(figure.pixels().is_err() && figure.svg().is_err(), "{width} × {height}");
+    }
+    let mut figure = Figure::new(100.0, 100.0);
+    figure.fill(vec![[-1e18, -1e18], [1e18, -1e18], [0.0, 1e18]], style::BLUE);
+    figure.line(vec![[-1e18, 50.0], [1e18, 50.0]], style::BLUE, 2.0);
+    assert!(figure.pixels().is_ok());
 }

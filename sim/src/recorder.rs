@@ -83,6 +83,7 @@ impl Recorder {
                 ..Disturbed::default()
             },
             energy: room(2),
+            colors: Vec::new(),
             wall_s: 0.0,
         };
         Self { trace, contacts: Vec::new(), forces: Vec::new(), disturbed: false }

@@ -24,9 +24,11 @@ use formats::TraceFileError;
 use formats::bvh::ImportOptions;
 use motion::smooth::Smoothing;
 use motion::{Clip, Vec3};
+use plots::View;
 use scenes::library::{self, Kind};
 
 use crate::open::open as open_take;
+use crate::results::figures::strip_view;
 use crate::take::{ClipSource, Source};
 use crate::{Ask, TakeError, is_ron};
 
@@ -120,6 +122,10 @@ pub struct AnalysisInput {
     pub character: Arc<Character>,
     /// The motion as it was given, on the body's skeleton.
     pub given: Clip,
+    /// Colour of each link, where the body has one.
+    pub colors: Vec<Option<[u8; 3]>>,
+    /// From where its film strips are seen.
+    pub view: View,
     gravity: Vec3,
     ground: FloorChoice,
     friction: Option<f64>,
@@ -170,6 +176,8 @@ fn of_trace(path: &Path) -> Result<AnalysisInput, AnalysisInputError> {
         path: path.to_owned(),
         character: trace.character.clone(),
         given: trace.clip(),
+        colors: trace.colors.clone(),
+        view: View::default(),
         gravity: trace.gravity,
         ground: trace.ground_m.map_or(FloorChoice::Detect, FloorChoice::At),
         friction: None,
@@ -187,6 +195,7 @@ fn of_take(
     let physics = take.conditions.physics;
     let path = path.to_owned();
     let (name, character, gravity) = (take.name, take.body.character, physics.gravity);
+    let (colors, view) = (take.body.colors, strip_view(&take.strip));
     Ok(match take.source {
         // as captured, before edits, limits and plants
         Source::Clip(source) if take.log.edits().is_empty() => AnalysisInput {
@@ -199,6 +208,8 @@ fn of_take(
             path,
             character,
             gravity,
+            colors,
+            view,
         },
         Source::Clip(_) | Source::Script | Source::Retarget(_) => AnalysisInput {
             given: take.asked.clip,
@@ -209,6 +220,8 @@ fn of_take(
             path,
             character,
             gravity,
+            colors,
+            view,
         },
     })
 }

@@ -122,7 +122,9 @@ impl Take {
     /// As [`Take::perform`].
     pub fn outcome(&self, engines: &Engines, progress: &mut dyn FnMut(f64)) -> Result<Outcome, PerformError> {
         let engine = self.engine(engines)?;
-        Ok(self.pass().run(engine, progress)?)
+        let mut outcome = self.pass().run(engine, progress)?;
+        outcome.trace.colors.clone_from(&self.body.colors);
+        Ok(outcome)
     }
 
     fn perform_spans(

@@ -39,6 +39,7 @@
 //! | `limit_axes` | L × 9 | of balls: two swing axes and the twist axis, zero frame; NaN for others |
 //! | `limit_range` | L × 6 | least and greatest of the joint's value (hinge, slide) or of its three coordinates (ball), rad or m; NaN without limit |
 //! | `link_end` | L × 3 | where a drawn bone without children ends, link frame, m; NaN for others |
+//! | `link_color` | L × 3 | red, green, blue, 0 to 255; −1 of links without a colour; absent where none has one |
 //! | `rest` | nq | pose of rest |
 //! | `shape_link`, `shape_type` | s | index; text: `capsule`, `box`, `sphere`, `cone` |
 //! | `shape_size` | s × 10 | link frame, m: capsule: ends (6), radius; sphere: centre (3), radius; box: centre (3), half edges (3), quaternion `w x y z`; cone: ends (6), their radii (2); zero beyond |

@@ -140,16 +140,35 @@ fn arrays<R: Read + Seek>(npz: &mut Arrays<R>) -> Result<Trace, TraceFileError> 
         link_com: Vec::new(),
         disturbed: dynamics::Disturbed::default(),
         contacts: Vec::new(),
+        colors: Vec::new(),
         wall_s: 0.0,
         character: character.clone(),
     };
     if npz.has("link_com") {
         trace.link_com = npz.reals("link_com", &[rows, 3 * links])?;
     }
+    if npz.has("link_color") {
+        trace.colors = colors(&npz.integers("link_color", &[links, 3])?)?;
+    }
     trace.root = root(npz)?;
     trace.contacts = contacts(npz, rows, links)?;
     trace.disturbed = disturbed(npz, rows, links)?;
     Ok(trace)
+}
+
+/// Colours of links, three numbers each: −1 of a link that has none.
+fn colors(numbers: &[i64]) -> Result<Vec<Option<[u8; 3]>>, TraceFileError> {
+    let color = |(link, rgb): (usize, &[i64])| {
+        if rgb.iter().all(|&x| x == -1) {
+            return Ok(None);
+        }
+        let part = |x: i64| {
+            u8::try_from(x)
+                .map_err(|_| value("link_color", link, x.to_string(), "0 to 255, or -1 thrice for none"))
+        };
+        Ok(Some([part(rgb[0])?, part(rgb[1])?, part(rgb[2])?]))
+    };
+    numbers.chunks_exact(3).enumerate().map(color).collect()
 }
 
 fn root<R: Read + Seek>(npz: &mut Arrays<R>) -> Result<RootMode, TraceFileError> {

@@ -145,6 +145,11 @@ pub fn write<W: Write + Seek>(trace: &Trace, out: W) -> io::Result<()> {
         _ => !name.starts_with("carried_") || !d.carried.is_empty(),
     };
     let units: Vec<&str> = UNITS.iter().filter(|u| written(u.0)).flat_map(|u| [u.0, u.1]).collect();
+    if trace.colors.iter().any(Option::is_some) {
+        let rgb = |c: &Option<[u8; 3]>| c.map_or([-1; 3], |c| c.map(i64::from));
+        let colors: Vec<i64> = trace.colors.iter().flat_map(rgb).collect();
+        npz.numbers("link_color", &[trace.colors.len() as u64, 3], &colors)?;
+    }
     write_body(&mut npz, &trace.character)?;
     npz.text("units", &[units.len() as u64 / 2, 2], &units)?;
     npz.finish()

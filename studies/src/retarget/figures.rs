@@ -6,7 +6,7 @@ use plots::{
     dimension_criteria, force_match, momentum_match, stage_strip,
 };
 use retarget::{GplvmOptions, PipelineStage, Retargeted};
-use takes::results::figures::Draw;
+use takes::results::figures::{Draw, strip_view};
 use takes::retargeting::Session;
 
 use super::StudiedReport;
@@ -113,7 +113,7 @@ fn strip_dropped(session: &Session, done: &Retargeted, dropped: &Dropped, note: 
         StageColumn { label: "all key poses", clip: full, character: puppet, colors },
         StageColumn { label: "without its own", clip: without, character: puppet, colors },
     ];
-    stage_strip(&columns, &moments(session, done), session.performance.strip.yaw_deg.unwrap_or(25.0), note)
+    stage_strip(&columns, &moments(session, done), strip_view(&session.performance.strip), note)
 }
 
 /// A number of a model, if it has it.
@@ -159,7 +159,7 @@ pub fn key_poses(session: &Session) -> Figure {
     let file = &session.actor.file;
     let note =
         format!("{}: {} pairs of {}", file.character.name, pairs.len(), session.key_poses.path.display());
-    plots::pose_sheet(&pairs, &file.character, &file.colors, 30.0, &note)
+    plots::pose_sheet(&pairs, &file.character, &file.colors, plots::View::default(), &note)
 }
 
 /// Moments of this motion that have a key pose, s.
@@ -203,7 +203,7 @@ fn strip(session: &Session, done: &Retargeted, note: &str) -> Figure {
         };
         columns.push(StageColumn { label, clip, character: puppet, colors: &session.actor.file.colors });
     }
-    stage_strip(&columns, &moments(session, done), session.performance.strip.yaw_deg.unwrap_or(25.0), note)
+    stage_strip(&columns, &moments(session, done), strip_view(&session.performance.strip), note)
 }
 
 /// Moments of a film strip (s), inside the motion: its very ends are rest.

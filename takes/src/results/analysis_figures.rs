@@ -106,8 +106,8 @@ impl<'a> Drawing<'a> {
         };
         let span = [0.0, trace.clip().duration_s()];
         let (joints, feet) = (None, None);
-        let mut drawing =
-            Self { input, analysis, trace, span, joints, feet, sources: Vec::new(), remarks: Vec::new() };
+        let (sources, remarks) = (Vec::new(), Vec::new());
+        let mut drawing = Self { input, analysis, trace, span, joints, feet, sources, remarks };
         drawing.compare(sink_m, mujoco)?;
         Ok(drawing)
     }
@@ -314,7 +314,15 @@ impl<'a> Drawing<'a> {
         let [from_s, to_s] = self.span;
         let ground_m = self.trace.ground_m;
         let title = (rows.len() == 1).then(|| "Film strip".to_owned());
-        let options = StripOptions { from_s, to_s: Some(to_s), ground_m, title, ..StripOptions::default() };
+        let options = StripOptions {
+            from_s,
+            to_s: Some(to_s),
+            ground_m,
+            title,
+            view: self.input.view,
+            colors: self.input.colors.clone(),
+            ..StripOptions::default()
+        };
         film_strip_with(&rows, &self.trace.character, note, &options)
     }
 

@@ -2,7 +2,8 @@
 
 use motion::Vec3;
 use motion::names::Word;
-use plots::{Figure, StripOptions, StripRow, film_strip_with};
+use plots::{Figure, StripOptions, StripRow, View, film_strip_with};
+use scenes::StripSpec;
 use sim::Outcome;
 
 use crate::Take;
@@ -91,6 +92,11 @@ fn note(take: &Take, outcome: &Outcome) -> String {
     )
 }
 
+/// From where a scene wants its strips seen.
+pub fn strip_view(strip: &StripSpec) -> View {
+    strip.yaw_deg.and_then(View::degrees).unwrap_or_default()
+}
+
 /// As the scene wants its strips.
 fn options(take: &Take) -> StripOptions {
     let strip = &take.strip;
@@ -98,7 +104,7 @@ fn options(take: &Take) -> StripOptions {
         count: strip.figures,
         from_s: strip.from_s,
         to_s: strip.to_s,
-        yaw_deg: strip.yaw_deg,
+        view: strip_view(strip),
         ground_m: take.conditions.physics.ground.map(|g| g.height_m),
         colors: take.body.colors.clone(),
         ..StripOptions::default()
