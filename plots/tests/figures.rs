@@ -273,21 +273,27 @@ fn residuals_are_graded() {
     assert!(svg.contains("no row with finite numbers"));
 }
 
-/// A foot captured too low weighs tons in penalty contact: its curve is cut, the others stay readable.
+/// A foot captured too low for a moment weighs tons in penalty contact: its curve is cut, the others stay readable. One that is so
+/// throughout says nothing: it is left out, and the note says so.
 #[test]
 fn penalty_off_the_scale_is_cut_and_said() {
     let character = sample::human();
     let trace = sample::trace(&character, &sample::bow(&character, 0.0));
     let mut told = sources(&trace);
     let given = told.iter_mut().find(|w| w.kind == ForceSourceKind::Given).unwrap();
-    given.forces.total.iter_mut().for_each(|f| *f *= 50.0);
+    given.forces.total[40] *= 5.0;
     let figure = contact_overlay(&told, 735.0, "");
     assert!(figure.svg().unwrap().contains("penalty off scale"));
     for mark in &figure.marks {
         let [left, top, right, bottom] = Figure::bounds(mark);
         assert!(left >= -1.0 && top >= -1.0 && right <= figure.width + 1.0 && bottom <= figure.height + 1.0);
     }
-    assert!(!contact_overlay(&sources(&trace), 735.0, "").svg().unwrap().contains("off scale"));
+    let plain = contact_overlay(&sources(&trace), 735.0, "").svg().unwrap();
+    assert!(!plain.contains("off scale") && !plain.contains("is not drawn"));
+    let given = told.iter_mut().find(|w| w.kind == ForceSourceKind::Given).unwrap();
+    given.forces.total.iter_mut().for_each(|f| *f *= 50.0);
+    let text = contact_overlay(&told, 735.0, "").svg().unwrap();
+    assert!(text.contains("% of body weight) and is not drawn") && !text.contains("off scale"));
 }
 
 /// A body that falls for a minute and one that is at the edge of the world: the strip has the size of any other, and says how

@@ -148,7 +148,7 @@ fn every_fault_is_named_at_its_place() {
         ("radius_m: 0.1", "radius_m: 0", (12, 72), "a radius_m of 0 m; sizes must be positive"),
         ("at_m: (0, 1, 0)", "at_m: (0, NaN, 0)", (15, 54), "NaN is not a finite number"),
         ("mass_kg: 1, ", "mas_kg: 1, ", (6, 13), "unknown field `mas_kg` of `Link`; did you mean `mass_kg`?"),
-        ("joint: Free", "joint: Fre", (5, 34), "unknown word `Fre` of `Joint`; did you mean `Free`?"),
+        ("joint: Free", "joint: Fre", (5, 34), "unknown word `Fre` of `joint`; did you mean `Free`?"),
         ("mass_kg: 1, ", "mass_kg: \"one\", ", (6, 22), "Expected float"),
     ] {
         let e = fault(from, to);
