@@ -4,4 +4,5 @@ mod arrows;
 mod circles;
 mod laws;
 mod program;
+mod promises;
 mod scenes;

@@ -100,6 +100,6 @@ fn crosschecks() {
     let cross = crosscheck::run(&human, &options, &mut |_| {}).unwrap();
     assert!(!cross.checks.is_empty());
     assert_eq!(cross.failed(), 0);
-    crosscheck::results::write(&cross, &out, &[human]).unwrap();
+    crosscheck::results::write(&cross, &out, &[human], &Progress::silent()).unwrap();
     holds(&out, &["crosscheck.html"]);
 }

@@ -42,10 +42,11 @@ pub fn run(args: &CrosscheckArgs) -> Result<(), Failure> {
     });
     let cross = done?;
     progress.part("writing");
-    results::write(&cross, &dir, &reads)?;
+    let undrawn = results::write(&cross, &dir, &reads, &progress)?;
     drop(progress);
     let json = report::json(&cross);
     output::print(&if args.json { json } else { summary(&cross, &dir) })?;
+    output::undrawn(&undrawn, &dir)?;
     match cross.failed() {
         0 => Ok(()),
         n => {

@@ -9,6 +9,7 @@ use takes::inspect::{
     SceneInspection, inspect,
 };
 use takes::results::folder::{Overwrite, write_file};
+use takes::results::number;
 
 use crate::args::InspectArgs;
 use crate::failure::Failure;
@@ -150,7 +151,7 @@ fn write_clip(out: &mut String, c: &ClipInspection, path: &Path) -> std::fmt::Re
 
 fn write_scene(out: &mut String, s: &SceneInspection) -> std::fmt::Result {
     let length = s.duration_s.map_or_else(|| s.motion.clone(), |x| format!("{x:.2} s"));
-    let rate = s.rate_hz.map_or_else(|| "the motion's rate".into(), |x| format!("{x} Hz"));
+    let rate = s.rate_hz.map_or_else(|| "the motion's rate".into(), |x| format!("{} Hz", number(x)));
     writeln!(out, "{}: {length} at {rate}, root {}", s.name, s.root)?;
     if !s.planted.is_empty() {
         writeln!(out, "planted: {}", s.planted.join(", "))?;

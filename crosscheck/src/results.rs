@@ -3,9 +3,10 @@
 use std::path::{Path, PathBuf};
 
 use formats::trace_npz;
-use takes::WriteError;
+use takes::results::figures::Draw;
 use takes::results::folder::{Earlier, Folder, Plan};
-use takes::results::write::save_figure;
+use takes::results::write::{Undrawn, draw};
+use takes::{Progress, WriteError};
 
 use crate::{CrossCheck, report};
 
@@ -19,8 +20,13 @@ pub fn plan(reads: &[PathBuf]) -> Plan<'_> {
 /// Writes everything into `dir`: the table and the traces first, then page and figures.
 ///
 /// # Errors
-/// [`WriteError`].
-pub fn write(cross: &CrossCheck, dir: &Path, reads: &[PathBuf]) -> Result<(), WriteError> {
+/// [`WriteError`]. Figures that cannot be drawn are returned.
+pub fn write(
+    cross: &CrossCheck,
+    dir: &Path,
+    reads: &[PathBuf],
+    progress: &Progress<'_>,
+) -> Result<Vec<Undrawn>, WriteError> {
     let mut folder = Folder::begin(dir, &plan(reads))?;
     for (what, name, text) in [
         ("crosscheck_json", "crosscheck.json", report::json(cross)),
@@ -39,11 +45,14 @@ pub fn write(cross: &CrossCheck, dir: &Path, reads: &[PathBuf]) -> Result<(), Wr
         }
     }
     folder.commit()?;
-    for (stem, figure) in report::figures(cross) {
-        save_figure(&mut folder.top(), stem, &figure)?;
-    }
+    let drawn = report::figures(cross);
+    let figures: Vec<Draw<'_>> = (drawn.iter())
+        .map(|(stem, figure)| -> Draw<'_> { (stem, Box::new(|| Ok(figure.clone()))) })
+        .collect();
+    let undrawn = draw(&mut folder.top(), &figures, progress)?;
     let page = report::html(cross).map_err(|e| WriteError::file("crosscheck.html", e))?;
     folder.add("crosscheck_html", "crosscheck.html")?;
     folder.write("crosscheck.html", page.as_bytes())?;
-    Ok(folder.commit()?)
+    folder.commit()?;
+    Ok(undrawn)
 }

@@ -3,7 +3,7 @@
 //! In: a [`Trace`]. Out: series and vectors per row. SI units.
 
 use dynamics::Trace;
-use motion::{Joint, Skeleton, Vec3};
+use motion::Vec3;
 
 use crate::excerpt::Excerpt;
 use crate::figure::Figure;
@@ -31,12 +31,6 @@ pub fn weight(trace: &Trace) -> f64 {
 /// Vectors stored `stride` numbers apart, from the offset `at` of each row.
 pub fn vectors(data: &[f64], stride: usize, at: usize) -> Vec<Vec3> {
     data.chunks_exact(stride).map(|row| Vec3::new(row[at], row[at + 1], row[at + 2])).collect()
-}
-
-/// Links with a joint that muscles move: all but welds and a free root.
-pub fn joints(skeleton: &Skeleton) -> impl Iterator<Item = usize> + '_ {
-    let links = skeleton.links().iter().enumerate();
-    links.filter(|(_, l)| !matches!(l.joint, Joint::Fixed | Joint::Free)).map(|(i, _)| i)
 }
 
 /// Name of a direction: `x`, `−y`, or its number when it is no axis.

@@ -7,8 +7,8 @@ use std::ops::Deref;
 
 use dynamics::Trace;
 use dynamics::fall::{self, Fall};
+use motion::Joint;
 
-use crate::columns;
 use crate::panel::Clock;
 
 /// A trace, or a part of one. See the module header.
@@ -77,11 +77,17 @@ impl<'a> Excerpt<'a> {
         Clock { rate_hz: self.trace.rate_hz, start_s: self.start_s }
     }
 
-    /// Links with a joint that may be shown.
+    /// Links with a joint that may be shown: those chosen, else all that muscles move, which welds and a free root are not.
     pub(crate) fn joints(&self) -> Vec<usize> {
         match &self.joints {
             Some(links) => links.clone(),
-            None => columns::joints(&self.trace.character.skeleton).collect(),
+            None => {
+                let links = self.trace.character.skeleton.links().iter().enumerate();
+                links
+                    .filter(|(_, l)| !matches!(l.joint, Joint::Fixed | Joint::Free))
+                    .map(|(i, _)| i)
+                    .collect()
+            }
         }
     }
 }

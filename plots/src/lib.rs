@@ -25,6 +25,7 @@
 //! | [`stages`] | film strip with a column for every stage of a motion on its way to another body |
 //! | [`excerpt`] | a span of a trace, chosen joints |
 //! | `face` | eyes and nose of bare heads |
+//! | `clear` | places for words |
 //! | [`camera`], [`solid`] | who looks at them, and how shapes become polygons |
 //! | [`panel`] | axes, curves, legends, pages of small multiples |
 //! | [`figure`] | a page as a list of marks; SVG and PNG |
@@ -35,6 +36,7 @@
 pub mod angles;
 pub mod balance;
 pub mod camera;
+mod clear;
 mod columns;
 pub mod contacts;
 pub mod energy;

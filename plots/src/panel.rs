@@ -3,6 +3,7 @@
 //! In: series in data units. Out: a [`Figure`]. Legends stand above the panels, never on the data;
 //! margins are measured from the labels, so nothing is clipped.
 
+use crate::clear::{Rect, word_beside};
 use crate::figure::{Anchor, Figure, Px};
 use crate::style::{self, Color, LABEL, MARGIN, SMALL, THIN, TITLE};
 
@@ -105,7 +106,7 @@ pub struct Panel {
     pub guides: Vec<Guide>,
     /// Points drawn as discs, px radius.
     pub dots: Vec<([f64; 2], f64, Color)>,
-    /// Words beside points, to the upper right.
+    /// Words beside points, where no curve runs through them.
     pub labels: Vec<([f64; 2], String, Color)>,
     /// Least height of the vertical axis, data units, so that noise stays small.
     pub least_span: f64,
@@ -370,6 +371,7 @@ impl Panel {
                 Stroke::Dashed => figure.dashed(&line, guide.color, 1.4, [5.0, 3.5]),
             }
         }
+        let mut lines = Vec::new();
         for series in &self.series {
             let cut;
             let points = match self.ceiling {
@@ -381,6 +383,9 @@ impl Panel {
             };
             for run in points.split(|p| !p[0].is_finite() || !p[1].is_finite()) {
                 let points = simplify(&thin(run.iter().map(px).collect()), FLAT);
+                if !self.labels.is_empty() {
+                    lines.push(points.clone());
+                }
                 match series.stroke {
                     Stroke::Solid => figure.line(points, series.color, series.width),
                     Stroke::Dashed => figure.dashed(&points, series.color, series.width, [5.0, 3.5]),
@@ -390,11 +395,15 @@ impl Panel {
         for (at, radius, color) in &self.dots {
             figure.disc(px(at), *radius, *color);
         }
-        for (at, text, color) in &self.labels {
-            let [x, y] = px(at);
-            figure.text(text.as_str(), [x + 7.0, y - 6.0], SMALL, *color, Anchor::Start);
-        }
         let [l, t] = frame.at;
+        let dot = |(at, radius, _): &([f64; 2], f64, Color)| {
+            let [x, y] = px(at);
+            [x - radius, y - radius, x + radius, y + radius]
+        };
+        let mut taken: Vec<Rect> = self.dots.iter().map(dot).collect();
+        for (at, text, color) in &self.labels {
+            word_beside(figure, (px(at), text, *color), &[l, t, right, bottom], &lines, &mut taken);
+        }
         let corners = vec![[l, t], [right, t], [right, bottom], [l, bottom], [l, t]];
         figure.line(corners, style::FRAME, THIN);
 

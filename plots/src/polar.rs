@@ -3,6 +3,7 @@
 //! In: [`Spoke`]s. Out: a [`Figure`], the body seen from above, its front up and its left on the left. Rings are
 //! N·s; the percentage outside is survived over limit.
 
+use crate::clear::crossed;
 use crate::figure::{Anchor, Figure, Px};
 use crate::panel::{Key, header, number, step};
 use crate::style::{self, LABEL, MARGIN, SMALL, THIN};
@@ -68,6 +69,7 @@ pub fn push_map_over(spokes: &[Spoke], before: &[f64], note: &str) -> Figure {
         points
     };
     let (survived, limit) = (closed(&|s| s.survived), closed(&|s| s.limit));
+    let outline = survived.clone();
     if spokes.len() > 2 {
         figure.fill(survived[..spokes.len()].to_vec(), style::BLUE.mix(style::WHITE, 0.88));
     }
@@ -92,12 +94,27 @@ pub fn push_map_over(spokes: &[Spoke], before: &[f64], note: &str) -> Figure {
         figure.disc(at(s.deg, s.survived * scale), 3.4, style::BLUE);
     }
 
-    // in the middle between two spokes, to the right of forward: percentages are written at the ends of spokes
-    let aside = -180.0 / spokes.len().max(4) as f64;
-    for i in 1..=rings as usize {
+    // in the middle between two spokes (percentages are written at the ends of spokes), to the right of forward or next to
+    // there, where fewest of the numbers meet a line
+    let ring_label = |deg: f64, i: usize| {
         let text = number(i as f64 * ring, ring);
-        let [x, y] = at(aside, i as f64 * ring * scale);
+        let [x, y] = at(deg, i as f64 * ring * scale);
         let (w, h) = (style::text_width(&text, SMALL) + 4.0, SMALL + 1.0);
+        (text, [x, y], [w, h])
+    };
+    let meets = |deg: f64| {
+        let met = |i: &usize| {
+            let (_, [x, y], [w, h]) = ring_label(deg, *i);
+            let rect = [x - w / 2.0, y - h / 2.0, x + w / 2.0, y + h / 2.0];
+            spokes.len() > 2 && [&outline, &limit].into_iter().any(|line| crossed(&rect, line))
+        };
+        (1..=rings as usize).filter(met).count()
+    };
+    let gaps = spokes.len().max(4);
+    let asides = (0..gaps).map(|k| -180.0 * (2 * k + 1) as f64 / gaps as f64);
+    let aside = asides.min_by_key(|deg| meets(*deg)).unwrap_or_default();
+    for i in 1..=rings as usize {
+        let (text, [x, y], [w, h]) = ring_label(aside, i);
         figure.rectangle([x - w / 2.0, y - h / 2.0], [w, h], style::WHITE);
         figure.text(text, [x, y + 0.36 * SMALL], SMALL, style::SOFT, Anchor::Middle);
     }

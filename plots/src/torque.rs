@@ -54,6 +54,10 @@ pub fn joint_torques<'a>(trace: impl Into<Excerpt<'a>>, noise: &[f64], note: &st
     if !noise.is_empty() {
         keys.push(Key::area("noise: up to two standard deviations", NOISE));
     }
+    let shown = format!(
+        "{shown}{}over each panel: peak, and per mass of the body",
+        if shown.is_empty() { "" } else { " · " }
+    );
     let columns = if working.len() > 4 { 3 } else { 2 };
     let mut panels: Vec<Panel> =
         working.iter().map(|(link, peak)| panel(trace, *link, *peak, rows, noise, stops)).collect();
@@ -81,7 +85,7 @@ fn panel(trace: &Excerpt, link: usize, peak: f64, rows: usize, noise: &[f64], st
     let tags = if n > 1 { names.zip(AXES).collect() } else { Vec::new() };
     let per_mass = peak / trace.character.mass();
     Panel {
-        title: format!("{} · peak {} {unit}, {} {unit}/kg", l.name, short(peak), short(per_mass)),
+        title: format!("{} · {} {unit}, {}/kg", l.name, short(peak), short(per_mass)),
         y_label: unit.into(),
         series,
         tags,

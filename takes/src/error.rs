@@ -7,7 +7,7 @@ use motion::ik::IkError;
 use scenes::SceneError;
 use scenes::library::UnknownName;
 
-use crate::opening::MOST_NESTED;
+use crate::results::number;
 
 /// Why there is no take.
 #[derive(Debug, thiserror::Error)]
@@ -112,6 +112,9 @@ fn models(path: &str) -> &'static str {
     }
 }
 
+/// Longer chains of files that name each other are refused.
+pub(crate) const MOST_NESTED: usize = 16;
+
 /// The most frames or control steps of a motion: half an hour at 240 Hz makes a trace of some gigabytes.
 pub const MOST_STEPS: f64 = 5e5;
 
@@ -120,6 +123,7 @@ pub(crate) fn too_long(duration_s: f64, rate_hz: f64) -> String {
     let shown = if duration_s < 1e7 { format!("{duration_s:.1}") } else { format!("{duration_s:e}") };
     let most = MOST_STEPS / rate_hz;
     format!(
-        "the motion lasts {shown} s; at {rate_hz} Hz (frames or control steps) allowed: up to {most:.0} s"
+        "the motion lasts {shown} s; at {} Hz (frames or control steps) allowed: up to {most:.0} s",
+        number(rate_hz)
     )
 }

@@ -7,13 +7,11 @@
 use std::fs;
 use std::path::{Path, PathBuf};
 
+use crate::error::MOST_NESTED;
 use crate::{Ask, Take, TakeError};
 
 /// How a file is opened because of others.
 pub(crate) type Open = fn(&Path, &Ask, &Opening) -> Result<Take, TakeError>;
-
-/// Longer chains of files that name each other are refused.
-pub(crate) const MOST_NESTED: usize = 16;
 
 /// The files that led to the one being opened.
 #[derive(Clone)]

@@ -12,7 +12,7 @@ use std::path::{Path, PathBuf};
 use source::ModulePath;
 
 /// Crates in which there must be none.
-const STRAIGHT: [&str; 3] = ["scenes", "takes", "studies"];
+const STRAIGHT: [&str; 4] = ["plots", "scenes", "takes", "studies"];
 
 /// Folders of the crates of a checkout, by name.
 fn crates(root: &Path) -> Vec<(String, PathBuf)> {

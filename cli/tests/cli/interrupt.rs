@@ -117,6 +117,39 @@ fn slow_signals_during_render_leave_one_run_and_nothing_else() {
     assert_eq!((files(&place, "out"), beside()), (runs[0].clone(), Vec::new()));
 }
 
+/// Making MuJoCo's Python environment, which takes minutes, leaves nothing in the cache; `venv` is played by a script.
+#[test]
+fn an_interrupted_environment_leaves_nothing_in_the_cache() {
+    use std::os::unix::fs::PermissionsExt;
+    let place = Place::new();
+    let python =
+        "#!/bin/sh\n[ \"$2\" = venv ] || exit 0\nmkdir -p \"$3/bin\"\ntouch \"$3/half\"\nexec sleep 5\n";
+    let python = place.write("python", python);
+    std::fs::set_permissions(&python, std::fs::Permissions::from_mode(0o755)).unwrap();
+    place.write("cache/notes.txt", "mine");
+    let mut child = Command::new(env!("CARGO_BIN_EXE_contrapposto"))
+        .args(["crosscheck", support::scene("characters/human.ron").to_str().unwrap(), "--states-only"])
+        .current_dir(place.at(""))
+        .envs([("CONTRAPPOSTO_PYTHON", python.to_str().unwrap()), ("CONTRAPPOSTO_CACHE", "cache")])
+        .stdout(Stdio::null())
+        .stderr(Stdio::null())
+        .spawn()
+        .unwrap();
+    let begun = Instant::now();
+    let made = || place.files("cache").iter().any(|(name, _)| name.ends_with("half"));
+    while !made() && begun.elapsed() < Duration::from_secs(60) {
+        std::thread::sleep(Duration::from_millis(5));
+    }
+    assert!(made(), "no environment was begun");
+    send(&child, "-INT");
+    let sent = Instant::now();
+    let status = child.wait().unwrap();
+    assert_eq!(status.code(), Some(130), "{status}");
+    assert!(sent.elapsed() < Duration::from_secs(2), "{:?}", sent.elapsed()); // 0.02 s seen on an idle machine
+    let left: Vec<String> = place.files("cache").into_iter().map(|(name, _)| name).collect();
+    assert_eq!(left, ["notes.txt"]);
+}
+
 /// An output folder that does not exist yet: after Ctrl-C there is none, and none of the folders made on the way to it.
 #[test]
 fn an_interrupted_first_run_leaves_no_folder() {

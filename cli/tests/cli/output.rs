@@ -75,6 +75,38 @@ fn one_file_needs_leave_to_replace_another() {
     }
 }
 
+/// A symbolic link is neither followed nor replaced, whatever it leads to.
+#[cfg(unix)]
+#[test]
+fn a_symbolic_link_is_not_replaced() {
+    let place = Place::new();
+    let clip = place.clip("", "");
+    let clip = clip.to_str().unwrap();
+    place.write("mine.bvh", "mine");
+    for (link, to) in [("link.bvh", "mine.bvh"), ("self.bvh", "clip.bvh"), ("nowhere.bvh", "nothing.bvh")] {
+        std::os::unix::fs::symlink(to, place.at(link)).unwrap();
+        let done = place.run(&["convert", clip, link, "--force"]);
+        assert_eq!(done.code, 2, "{link}: {}", done.stderr);
+        assert!(done.stderr.contains(link), "{}", done.stderr);
+        assert!(place.at(link).is_symlink(), "{link}");
+    }
+    assert_eq!(std::fs::read_to_string(place.at("mine.bvh")).unwrap(), "mine");
+    assert!(!place.at("nothing.bvh").exists());
+}
+
+/// A trace of somebody else's: it stays, and stands in the way of one.
+#[test]
+fn a_foreign_trace_stays() {
+    let place = Place::new();
+    let scene = place.scene("", "");
+    place.write("out/trace.npz", "mine");
+    let render = ["render", scene.to_str().unwrap(), "--no-plots", "--out", "out"];
+    refused(&place, &render, &["trace.npz", "was not written by an earlier run"]);
+    let done = place.run(&[&render[..], &["--kinematic"]].concat());
+    assert_eq!(done.code, 0, "{}", done.stderr);
+    assert_eq!(std::fs::read_to_string(place.at("out/trace.npz")).unwrap(), "mine");
+}
+
 /// Not even with `--force`: what is read is not written.
 #[test]
 fn an_input_is_never_replaced() {

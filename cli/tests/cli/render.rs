@@ -213,6 +213,61 @@ fn a_locked_door() {
 }
 
 /// A run that diverges fails, says where, and leaves what it recorded.
+/// A body that falls for 80 s: everything is there, and the film strip has an ordinary size.
+#[test]
+fn slow_a_fall_of_kilometres_is_drawn() {
+    let place = Place::new();
+    let text = std::fs::read_to_string(support::shared("cases/scenes/freefall_80.ron")).unwrap();
+    let scene = place.write("fall.ron", &text.replace("characters/", "library:characters/"));
+    let done = place.run(&["render", scene.to_str().unwrap(), "--out", "out"]);
+    assert_eq!(done.code, 0, "{}", done.stderr);
+    let names = place.names("out");
+    for name in ["trace.npz", "report.json", "plots/strip_dynamic.png", "plots/strip_dynamic.svg"] {
+        assert!(names.iter().any(|n| n == name), "{name}: {names:?}");
+    }
+    let svg = std::fs::read_to_string(place.at("out/plots/strip_dynamic.svg")).unwrap();
+    assert!(svg.contains("80.00 s, 31 km lower"), "the last figure does not say how far it is");
+    let png = std::fs::read(place.at("out/plots/strip_dynamic.png")).unwrap();
+    let height = u32::from_be_bytes(png[20..24].try_into().unwrap());
+    assert!(height < 1200, "{height} px");
+}
+
+/// Numbers are rounded wherever a person reads them: a clip of a crooked frame time, in summaries and on figures.
+#[test]
+fn slow_numbers_are_rounded() {
+    let place = Place::new();
+    let clip = place.clip("Frame Time: 0.0333333333", "Frame Time: 0.041708");
+    let clip = clip.to_str().unwrap();
+    let mut said = Vec::new();
+    for args in [
+        &["render", clip, "--out", "out"][..],
+        &["inspect", clip],
+        &["analyze", clip, "--out", "analysis"],
+        &["plot", "out", "--force"],
+        &["convert", clip, "again.glb"],
+    ] {
+        let done = place.run(args);
+        assert_eq!(done.code, 0, "{args:?}: {}", done.stderr);
+        said.push((args.join(" "), done.stdout));
+    }
+    for (name, bytes) in place.files("").into_iter().filter(|(name, _)| name.ends_with(".svg")) {
+        // the texts of a figure, not the coordinates of its lines
+        let svg = String::from_utf8(bytes).unwrap();
+        let texts = svg.split("<text").skip(1).map(|t| {
+            let t = t.split_once('>').unwrap().1;
+            t.split("</text").next().unwrap().trim().to_owned()
+        });
+        said.push((name, texts.collect::<Vec<_>>().join("\n")));
+    }
+    for (what, text) in said {
+        let words = text.split(|c: char| !c.is_ascii_digit() && c != '.');
+        let long = words.filter(|w| {
+            w.split_once('.').is_some_and(|(_, digits)| digits.len() > 6 && !digits.contains('.'))
+        });
+        assert_eq!(long.collect::<Vec<_>>(), Vec::<&str>::new(), "{what}:\n{text}");
+    }
+}
+
 #[test]
 fn slow_a_run_that_diverges() {
     let place = Place::new();

@@ -12,6 +12,7 @@ use serde_json::{Value, json};
 
 use motion::names::Word;
 
+use super::number;
 use crate::{AnalysisInput, AnalysisInputError};
 
 /// A figure of an analysis or a recorded run.
@@ -134,7 +135,7 @@ impl<'a> Drawing<'a> {
                     Some((forces, by)) => {
                         let label = format!(
                             "given: penalty contact, sink {} mm, motion {} {:.2} mm",
-                            1e3 * sink_m,
+                            number(1e3 * sink_m),
                             if by.lowered_m < 0.0 { "raised" } else { "lowered" },
                             1e3 * by.lowered_m.abs()
                         );
@@ -333,14 +334,14 @@ impl<'a> Drawing<'a> {
         match self.input.recorded() {
             Some(_) => {
                 let root = t.root.name().word();
-                format!("{name}: recorded, root {root}, {} Hz, {} substeps", t.rate_hz, t.substeps)
+                format!("{name}: recorded, root {root}, {} Hz, {} substeps", number(t.rate_hz), t.substeps)
             }
             None => {
                 let smoothed = match &self.analysis {
                     Ok(a) => smoothing(a),
                     Err(_) => String::new(),
                 };
-                format!("{name}: inverse dynamics, {:.2} Hz{smoothed}", t.rate_hz)
+                format!("{name}: inverse dynamics, {} Hz{smoothed}", number(t.rate_hz))
             }
         }
     }

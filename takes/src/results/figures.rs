@@ -88,7 +88,9 @@ fn note(take: &Take, outcome: &Outcome) -> String {
     let end = outcome.fall.as_ref().map_or(String::new(), |fall| format!("; {fall}"));
     format!(
         "{}: tension {tension}, root {root}, {} Hz, {} substeps{tilt}{end}",
-        take.name, t.rate_hz, t.substeps
+        take.name,
+        number(t.rate_hz),
+        t.substeps
     )
 }
 
