@@ -180,6 +180,9 @@ fn write(out: &mut String, studied: &StudiedReport, dir: &Path) -> std::fmt::Res
             line(out, "friction", text)?;
         }
     }
+    for (i, warning) in r.warnings.iter().enumerate() {
+        line(out, if i == 0 { "warning" } else { "" }, warning)?;
+    }
     for (i, s) in r.suggested.iter().enumerate() {
         let text = format!("{:.3} s, confidence {:.0} %", s.at_s, 100.0 * s.confidence);
         line(out, if i == 0 { "next pose" } else { "" }, text)?;

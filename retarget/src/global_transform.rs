@@ -92,7 +92,7 @@ impl Scale {
 fn stride(own: &Character, human: &Character) -> f64 {
     match (leg(own), leg(human)) {
         (Some(a), Some(b)) => a / b,
-        _ => height(own) / height(human).max(1e-9),
+        _ => stature(own) / stature(human).max(1e-9),
     }
 }
 
@@ -104,7 +104,7 @@ fn leg(c: &Character) -> Option<f64> {
 }
 
 /// Height of the highest joint, site or end of a link above the lowest contact point at rest, m.
-fn height(c: &Character) -> f64 {
+pub(crate) fn stature(c: &Character) -> f64 {
     let (s, k) = (&c.skeleton, Kinematics::new(&c.skeleton, &c.rest));
     let sites = c.contacts.iter().map(|&i| &s.sites()[i]);
     let lowest = sites.map(|s| k.point(s.link, &s.at).y).reduce(f64::min);

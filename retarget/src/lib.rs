@@ -6,6 +6,8 @@
 //! | module | holds |
 //! |---|---|
 //! | `suggest` | which frames to key next |
+//! | [`bounds`], [`guard`] | what a stage may do to a motion, and what holds it to that |
+//! | [`flights`] | flights of the human stay flights |
 //! | [`subject`] | performer and puppet |
 //! | [`features`] | feature points and the root's local frame |
 //! | [`key_poses`] | pairs of human and character poses |
@@ -26,16 +28,20 @@
 //!
 //! \[YAH10\] Yamane, Ariki, Hodgins. Animating Non-Humanoid Characters with Human Motion Data, SCA 2010.
 
+pub mod bounds;
 pub mod contacts;
 mod error;
 pub mod features;
 pub mod fit;
+pub mod flights;
 pub mod global_transform;
+pub mod guard;
 pub mod guess;
 pub mod key_poses;
 pub mod live;
 pub mod mapping;
 pub mod options;
+mod phase;
 pub mod pipeline;
 pub mod prepare;
 pub mod refine;
@@ -44,20 +50,24 @@ pub mod subject;
 mod suggest;
 pub mod sway;
 
-pub use contacts::Phase;
+pub use bounds::{Bounds, Step, StepReport, Turned};
 pub use error::RetargetError;
 pub use features::{Features, RootFrame};
 pub use global_transform::{Scale, global_transform};
+pub use guard::Guard;
 pub use guess::guess;
 pub use key_poses::{KeyPose, KeyPoses};
 pub use live::{Live, LiveFrame};
 pub use mapping::Mapping;
 pub use options::{
-    ContactOptions, GlobalOptions, GplvmOptions, Locate, MappingModel, Options, PipelineStage, RefineDofs,
-    RefineDofsName, RefineOptions, SizeRatio, SizeRatioName, WorldOptions,
+    ContactOptions, FlightSpan, GlobalOptions, GplvmOptions, Locate, MappingModel, Options, PipelineStage,
+    RefineDofs, RefineDofsName, RefineOptions, SizeRatio, SizeRatioName, WorldOptions,
 };
+pub use phase::Phase;
 pub use pipeline::{run, run_with};
 pub use prepare::prepare;
-pub use result::{ContactReport, MappingReport, MomentumReport, RefinementReport, Retargeted, SwayReport};
-pub use subject::{ContactPoint, Follow, Performer, Puppet};
-pub use sway::{Sway, sway};
+pub use result::{
+    ContactReport, FlightReport, MappingReport, MomentumReport, RefinementReport, Retargeted, SwayReport,
+};
+pub use subject::{ContactPoint, Follow, Performer, Puppet, Sway};
+pub use sway::sway;

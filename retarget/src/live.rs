@@ -19,11 +19,11 @@ use dynamics::{Model, State};
 use motion::{Kinematics, Quat, Transform, Vec3};
 
 use crate::contacts::ik::ContactIk;
-use crate::contacts::paths::PhaseFrames;
 use crate::contacts::phases::{LEAVE, groups, in_contact};
 use crate::fit::place_root;
 use crate::global_transform::Scale;
 use crate::mapping::{MappedFrame, Mapper};
+use crate::phase::PhaseFrames;
 use crate::{Follow, Mapping, Options, Performer, Puppet, RetargetError};
 
 /// Time in which a point that lands comes to rest, s.

@@ -8,7 +8,7 @@ use motion::names::Word;
 use motion::{Shape, Smoothing};
 
 use crate::RetargetError;
-use crate::contacts::Phase;
+use crate::phase::Phase;
 
 /// Settings of the shared GPLVM.
 pub use learn::{GplvmOptions, Locate};
@@ -318,6 +318,17 @@ impl WorldOptions {
 /// Weight of the friction cone, see [`RefineOptions::cone`].
 pub const CONE: f64 = 100.0;
 
+/// A span in which the character is in the air.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct FlightSpan {
+    /// From, s.
+    pub from_s: f64,
+    /// To, s.
+    pub to_s: f64,
+    /// Greatest height of its lowest contact point, m.
+    pub height_m: f64,
+}
+
 /// Options of the physics refinement.
 #[derive(Clone, Debug, PartialEq)]
 pub struct RefineOptions {
@@ -339,6 +350,8 @@ pub struct RefineOptions {
     /// Poses (`nq` each) whose touches are meant, such as the key poses of a body that folds its arms: two links may
     /// be as deep in one another as in any of them. The pipeline adds those of the mapping.
     pub accepted: Vec<Vec<f64>>,
+    /// Flights whose height is kept; the pipeline adds those of the human.
+    pub flights: Vec<FlightSpan>,
     /// Most steps for each stretch of the clip, with each choice of what moves.
     pub iterations: usize,
 }
@@ -354,6 +367,7 @@ impl Default for RefineOptions {
             sink_m: 0.0015,
             collisions: true,
             accepted: Vec::new(),
+            flights: Vec::new(),
             iterations: 30,
         }
     }
@@ -374,7 +388,7 @@ pub struct Options {
     pub gplvm: GplvmOptions,
     /// Where to stop.
     pub stop_after: PipelineStage,
-    /// Frame rate to work at and to write; by default the clip's.
+    /// Frame rate to give; by default the clip's. What is done is done at a rate of its own, see [`mod@crate::pipeline`].
     pub rate_hz: Option<f64>,
     /// How the human clip is smoothed before anything else.
     pub smoothing: Smoothing,

@@ -38,7 +38,12 @@ pub fn prepare(
             let (name, allowed) = ("the frame rate (Hz)", "positive numbers");
             return Err(RetargetError::Option { name, value: rate, allowed });
         }
+        let own = human.rate_hz;
         human = human.resample(rate);
+        // between the frames of a slower clip it goes straight on: the corners are above what it can tell
+        if rate > 1.01 * own && human.frames() > 3 {
+            human = smooth(&human, Smoothing::CutoffHz(own / 3.0)).clip;
+        }
     }
     if human.frames() < FEWEST_FRAMES {
         let (frames, rate_hz) = (human.frames(), human.rate_hz);

@@ -2,8 +2,9 @@
 
 use motion::{Clip, Vec3};
 
-use crate::contacts::Phase;
+use crate::bounds::StepReport;
 use crate::options::PipelineStage;
+use crate::phase::Phase;
 
 /// A motion on a new body. One entry per frame in every vector.
 #[derive(Clone, Debug, PartialEq)]
@@ -26,6 +27,25 @@ pub struct Retargeted {
     pub sway: Option<SwayReport>,
     /// Numbers of the refinement; `None` if stopped before.
     pub refinement: Option<RefinementReport>,
+    /// How far each stage went from the one before, of those that are held to bounds.
+    pub steps: Vec<StepReport>,
+    /// Parts of phases in which the character's points do not rest although the human's do: they could not be kept.
+    pub gave_way: Vec<Phase>,
+    /// The human's flights, and what became of them.
+    pub flights: Vec<FlightReport>,
+}
+
+/// A flight of the human on the character.
+#[derive(Clone, Debug, PartialEq)]
+pub struct FlightReport {
+    /// From, s.
+    pub from_s: f64,
+    /// To, s.
+    pub to_s: f64,
+    /// Greatest height of the human's lowest contact point, scaled by the statures, m.
+    pub scaled_m: f64,
+    /// Of the character's after each stage that ran, m.
+    pub heights_m: Vec<(PipelineStage, f64)>,
 }
 
 /// How sure the mapping is, frame by frame.

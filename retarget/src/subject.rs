@@ -8,8 +8,8 @@ use std::sync::Arc;
 use bodies::{BodyOptions, Character, guess_body_of_clip};
 use motion::Clip;
 
+use crate::RetargetError;
 use crate::features::Features;
-use crate::{RetargetError, Sway};
 
 /// A human body and the points that tell its pose.
 #[derive(Clone, Debug, PartialEq)]
@@ -60,6 +60,17 @@ pub struct ContactPoint {
     pub human: Vec<String>,
     /// How several counterparts are taken together.
     pub follow: Follow,
+}
+
+/// A part that follows by dynamics.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Sway {
+    /// Its links; their joints are springs.
+    pub links: Vec<usize>,
+    /// Frequency of a joint alone, Hz.
+    pub frequency_hz: f64,
+    /// Damping ratio of a joint alone.
+    pub damping_ratio: f64,
 }
 
 /// The body that gets the motion.

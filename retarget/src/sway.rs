@@ -22,25 +22,14 @@ use dynamics::{Model, State};
 use motion::{Clip, Derivatives, Vec3, linear, rotation};
 use nalgebra::DMatrix;
 
-use crate::Puppet;
 use crate::result::SwayReport;
+use crate::{Puppet, Sway};
 use motion::limits::tangent_correction;
 
 /// Longest step, s.
 const STEP_S: f64 = 1.0 / 240.0;
 /// Stiffness beyond a limit over that within.
 const STOP: f64 = 4.0;
-
-/// A part that follows by dynamics.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Sway {
-    /// Its links; their joints are springs.
-    pub links: Vec<usize>,
-    /// Frequency of a joint alone, Hz.
-    pub frequency_hz: f64,
-    /// Damping ratio of a joint alone.
-    pub damping_ratio: f64,
-}
 
 /// A swaying joint.
 struct Spring {

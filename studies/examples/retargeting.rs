@@ -15,7 +15,7 @@ use std::path::PathBuf;
 
 use formats::bvh::ImportOptions;
 use retarget::{Options, PipelineStage, RefineDofs};
-use takes::retargeting::Session;
+use takes::retargeting::{RetargetReport, Session};
 
 const CHARACTERS: [&str; 3] = ["lamp", "penguin", "squirrel"];
 const PERFORMANCES: [&str; 7] = ["anger", "dance", "disgust", "fear", "happiness", "sadness", "surprise"];
@@ -67,6 +67,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
             let start = std::time::Instant::now();
             let done = session.run(&mapping, &options)?;
             let seconds = start.elapsed().as_secs_f64();
+            let warnings = RetargetReport::new(&session, options.model, &done, Vec::new()).warnings;
             let Some(c) = &done.contact else { continue };
             print!(
                 "{character:8} {performance:14} {:5.1} s | {:.2} {:.2} {:.2} | ",
@@ -77,6 +78,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
             );
             let Some(r) = &done.refinement else {
                 println!("{seconds:.1}");
+                warnings.iter().for_each(|w| println!("         {w}"));
                 continue;
             };
             let share = |i: usize| 100.0 * (1.0 - r.after[i] / r.before[i].max(1e-12));
@@ -97,6 +99,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
                 r.cone_after.len(),
                 r.iterations,
             );
+            warnings.iter().for_each(|w| println!("         {w}"));
         }
     }
     Ok(())

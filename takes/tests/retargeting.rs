@@ -67,7 +67,7 @@ fn slow_steps_do_not_jump() {
         "02_01",
         "127_31",
     ];
-    let mut worst = (0.0f64, String::new());
+    let (mut worst, mut jerked) = ((0.0f64, String::new()), Vec::new());
     for character in ["lamp", "penguin", "squirrel"] {
         for performance in clips {
             let options =
@@ -75,13 +75,16 @@ fn slow_steps_do_not_jump() {
             let c = run(&session(performance, character), &options).contact.unwrap();
             assert!(c.slip_m <= 1e-3, "{character} {performance}: {c:?}"); // 0.02 mm seen
             assert!(c.penetration_m <= 5e-3, "{character} {performance}: {c:?}"); // 2.1 mm seen
-            assert!(c.jerk_ratio <= 1.2, "{character} {performance}: {c:?}");
+            if c.jerk_ratio > 1.2 {
+                jerked.push(format!("{character} {performance}: {:.2}", c.jerk_ratio));
+            }
             if c.jerk_ratio > worst.0 {
                 worst = (c.jerk_ratio, format!("{character} {performance}"));
             }
         }
     }
     println!("at most {worst:?}"); // 1.13 seen
+    assert!(jerked.is_empty(), "{jerked:?}");
 }
 
 /// So they are at any frame rate: points that rest do not creep over more frames.

@@ -258,8 +258,15 @@ fn slow_the_document_names_every_field() {
     let mut fields = BTreeSet::new();
     let happiness = scene_file("performances/happiness.ron");
     let study = ["--stop-after", "map", "--study", "--compare", "--suggest-keyposes", "2"];
-    for (character, options) in [("squirrel", &[][..]), ("lamp", &study[..])] {
-        let done = retarget(&place, &happiness, character, options);
+    // a run and leap on which the stages are held back, and a cartwheel whose contacts give way
+    let (leap, cartwheel) = (mocap("49_05"), mocap("49_07"));
+    for (motion, character, options) in [
+        (&happiness, "squirrel", &[][..]),
+        (&happiness, "lamp", &study[..]),
+        (&leap, "squirrel", &[]),
+        (&cartwheel, "squirrel", &[]),
+    ] {
+        let done = retarget(&place, motion, character, options);
         assert_eq!(done.code, 0, "{}", done.stderr);
         paths(&place.report("out"), "", &mut fields);
     }

@@ -12,8 +12,8 @@
 use motion::ik::{Floor, Goal, Method, Point, Problem, Unknowns, WholeBody};
 use motion::{Joint, Kinematics, Vec3};
 
-use super::paths::PhaseFrames;
 use crate::Puppet;
+use crate::phase::PhaseFrames;
 
 /// Weight of a goal in a phase against a radian of a leg, 1/m².
 const GOAL: f64 = 1e7;

@@ -7,37 +7,33 @@
 //! |---|---|
 //! | [`phases`] | when human points touch, and the character's with them |
 //! | `pace` | phases shortened where flights are too quick |
+//! | [`mod@keep`] | contacts that cannot be kept give way |
 //! | [`paths`] | where each point has to be in every frame: `planted`, link by link |
 //! | [`ik`] | the pose that puts the points there |
 //!
 //! \[YAH10\] Yamane, Ariki, Hodgins. Animating Non-Humanoid Characters with Human Motion Data, SCA 2010.
 
 pub mod ik;
+pub mod keep;
 mod pace;
 pub mod paths;
 pub mod phases;
+mod places;
 mod planted;
 
-use bodies::Character;
 use motion::{Clip, Vec3, smoothstep};
 
 use crate::global_transform::low_pass;
 use crate::options::ContactOptions;
+use crate::phase::{Path, PhaseFrames};
 use crate::result::ContactReport;
 use crate::{Puppet, RetargetError};
 use ik::ContactIk;
-use paths::{Path, PhaseFrames, held_paths};
+use paths::held_paths;
+use places::site_paths;
 
-/// A time in which a point of the character stays where it is on the ground.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Phase {
-    /// The site's name.
-    pub point: String,
-    /// First time of contact, s.
-    pub from_s: f64,
-    /// Last time of contact, s.
-    pub to_s: f64,
-}
+pub use crate::phase::Phase;
+pub use keep::{Kept, keep};
 
 /// Holds the contact points of `clip` in their phases; what else moves, moves as little as it can.
 ///
@@ -51,7 +47,10 @@ pub fn adjust(
     let spans = phases::frames_of_phases(puppet, phases, clip)?;
     let source = point_paths(puppet, clip);
     let goals = held_paths(puppet, &source, &spans, clip.rate_hz);
-    Ok(follow(puppet, clip, &source, &goals, &spans))
+    let hold: Vec<Vec<f64>> = spans.iter().map(|s| firmness(s, clip)).collect();
+    let out = follow(puppet, clip, &goals, &hold, &spans);
+    let report = report(&source, &point_paths(puppet, &out), &spans, clip.rate_hz);
+    Ok((out, report))
 }
 
 /// As [`adjust`], with phases shortened where flights are too quick, by up to [`ContactOptions::phase_slack_s`] at either
@@ -68,7 +67,9 @@ pub fn adjust_in_time(
     let spans = phases::frames_of_phases(puppet, phases, clip)?;
     let source = point_paths(puppet, clip);
     let (spans, goals) = pace::pace(puppet, &source, spans, clip.rate_hz, options);
-    let (out, report) = follow(puppet, clip, &source, &goals, &spans);
+    let hold: Vec<Vec<f64>> = spans.iter().map(|s| firmness(s, clip)).collect();
+    let out = follow(puppet, clip, &goals, &hold, &spans);
+    let report = report(&source, &point_paths(puppet, &out), &spans, clip.rate_hz);
     Ok((phases::phases_of_frames(puppet, &spans, clip.rate_hz), out, report))
 }
 
@@ -76,14 +77,15 @@ pub fn adjust_in_time(
 ///
 /// In two passes: solved frame by frame, the root's path has jerks wherever a straight leg has to reach. The low-passed
 /// path of the first pass is where the second starts from, with a root that moves only where legs cannot reach.
+///
+/// * `goals`, `hold`: of every point in every frame, its place and how firmly it is held there
 fn follow(
     puppet: &Puppet,
     clip: &Clip,
-    source: &[Path],
     goals: &[Path],
+    hold: &[Vec<f64>],
     spans: &[Vec<PhaseFrames>],
-) -> (Clip, ContactReport) {
-    let hold: Vec<Vec<f64>> = spans.iter().map(|s| firmness(s, clip)).collect();
+) -> Clip {
     let mut ik = ContactIk::new(puppet, spans);
     let mut out = clip.clone();
     let put = |ik: &mut ContactIk, from: &[f64], i: usize, q: &mut [f64]| {
@@ -110,8 +112,7 @@ fn follow(
         clip.skeleton.integrate(&mut from, &way, 1.0);
         put(&mut ik, &from, i, out.pose_mut(i));
     }
-    let report = report(source, &point_paths(puppet, &out), spans, clip.rate_hz);
-    (out, report)
+    out
 }
 
 /// How firmly a point is held in each frame: 1 in its phases, fading beside them.
@@ -126,20 +127,6 @@ fn firmness(spans: &[PhaseFrames], clip: &Clip) -> Vec<f64> {
 pub fn point_paths(puppet: &Puppet, clip: &Clip) -> Vec<Path> {
     let sites: Vec<usize> = puppet.contacts.iter().map(|c| c.site).collect();
     site_paths(&puppet.character, &sites, clip)
-}
-
-/// World positions of some sites of a character in every frame, one path per site.
-fn site_paths(character: &Character, sites: &[usize], clip: &Clip) -> Vec<Path> {
-    let all = character.skeleton.sites();
-    let mut k = motion::Kinematics::new(&clip.skeleton, &clip.skeleton.zero_pose());
-    let mut out = vec![Path::with_capacity(clip.frames()); sites.len()];
-    for i in 0..clip.frames() {
-        k.update(&clip.skeleton, clip.pose(i));
-        for (path, &site) in out.iter_mut().zip(sites) {
-            path.push(k.point(all[site].link, &all[site].at));
-        }
-    }
-    out
 }
 
 /// Degrees of freedom of a free root.

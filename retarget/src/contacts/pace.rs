@@ -9,10 +9,11 @@
 //! at a time, until it is not, up to [`ContactOptions::phase_slack_s`] each. All points of the link that land or leave in the
 //! same frame go together, and no phase becomes shorter than [`ContactOptions::shortest_s`].
 
-use super::paths::{Path, PhaseFrames, by_link, held_paths};
+use super::paths::{by_link, held_paths};
 use super::{ALLOWED, peak, peak_near};
 use crate::Puppet;
 use crate::options::ContactOptions;
+use crate::phase::{Path, PhaseFrames};
 
 /// Time by which an end is moved at once, s.
 const ROUND_S: f64 = 1.0 / 30.0;

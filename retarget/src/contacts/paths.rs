@@ -7,23 +7,11 @@
 //!
 //! \[YAH10\] Yamane, Ariki, Hodgins. Animating Non-Humanoid Characters with Human Motion Data, SCA 2010.
 
-use motion::Vec3;
-
 use super::planted::Planted;
 use super::{ALLOWED, peak};
 use crate::Puppet;
 
-/// World positions of a point, one per frame, m.
-pub type Path = Vec<Vec3>;
-
-/// Frames of a phase, ends included.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct PhaseFrames {
-    /// First frame in contact.
-    pub first: usize,
-    /// Last frame in contact.
-    pub last: usize,
-}
+pub use crate::phase::{Path, PhaseFrames};
 
 /// The paths that hold every point in its phases.
 pub fn held_paths(puppet: &Puppet, paths: &[Path], spans: &[Vec<PhaseFrames>], rate_hz: f64) -> Vec<Path> {

@@ -17,9 +17,9 @@
 use motion::names::hint;
 use motion::{Clip, Vec3};
 
-use super::paths::{Path, PhaseFrames};
-use super::{Phase, site_paths};
+use super::places::site_paths;
 use crate::options::ContactOptions;
+use crate::phase::{Path, Phase, PhaseFrames};
 use crate::{ContactPoint, Follow, Performer, Puppet, RetargetError};
 
 /// A phase no longer than this is dropped where its link is too steep for it, s.
@@ -196,7 +196,8 @@ pub fn without_flipped_feet(
     found: &[Phase],
 ) -> Result<Vec<Phase>, RetargetError> {
     let spans = frames_of_phases(puppet, found, clip)?;
-    let paths = super::point_paths(puppet, clip);
+    let points: Vec<usize> = puppet.contacts.iter().map(|c| c.site).collect();
+    let paths = site_paths(&puppet.character, &points, clip);
     let sites = puppet.character.skeleton.sites();
     let site = |c: usize| &sites[puppet.contacts[c].site];
     let mean = |c: usize, s: &PhaseFrames| {

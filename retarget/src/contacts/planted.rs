@@ -35,8 +35,8 @@
 
 use motion::{Quat, Vec3};
 
-use super::paths::{Path, PhaseFrames};
 use super::peak_near;
+use crate::phase::{Path, PhaseFrames};
 use crate::refine::band::Band;
 
 /// Time in which a correction comes and goes, τ, s.

@@ -94,7 +94,7 @@ pub(super) fn descend(
     while steps < most_steps {
         problem.linearise((&clip, &w), ground, normal, metric, &mut gradient);
         add_diagonal(metric, share, normal);
-        let enough = ENOUGH * cost.min(0.5 * frames as f64);
+        let enough = ENOUGH * cost.min(0.5 * frames);
         let (mut foreseen, mut beyond, mut small) = (0, 0.0, None);
         let done = loop {
             let mut step: Vec<f64> = gradient.iter().map(|g| -g).collect();

@@ -24,15 +24,18 @@
 //!   the frame rate. (Summed as printed, Z_m holds a jump at the height it was mapped to; the flight cannot become one.)
 //!   Unsure frames move more, also to get out of a collision.
 //! - *Slip* of points in a phase from their place, half a cost at [`SLIP_M`]; *limits* of joints; *collisions* of
-//!   the body with itself, the ground and the scene ([`solids`]).
+//!   the body with itself, the ground and the scene ([`solids`]); in *flights* the root's way up or down, half a cost at
+//!   [`FLIGHT_SHARE`] of their height: a hop that no key pose made ballistic has least mismatch on the ground.
+//!
+//! All sums over frames count as those of [`REFERENCE_HZ`]: the motion that costs least is the same at any rate.
 //!
 //! *Solution.* Levenberg–Marquardt (`descent`). Two functions act together only within 16 spacings, and hardly beyond 12: with
 //! the unknowns in the order of time the normal equations are banded; long clips are solved a stretch at a time (`windows`), so
 //! that cost grows linearly with length. Rates and accelerations of the displaced clip are central differences, as anyone who
 //! reads the clip will take them.
 //!
-//! *Collisions first.* Where bodies penetrate, the joints between the two are moved by a pass of its own, without
-//! forces; which degrees of freedom the physics may move is then still free.
+//! *Collisions first.* Where bodies penetrate, the joints between the two are moved by a pass of its own ([`apart`]), without
+//! forces. The refinement itself moves what it is asked to move and nothing else.
 //!
 //! \[YAH10\] Yamane, Ariki, Hodgins. Animating Non-Humanoid Characters with Human Motion Data, SCA 2010.
 
@@ -52,9 +55,9 @@ use dynamics::{Model, Penalty, State};
 use motion::names::hint;
 use motion::{Clip, Joint, Kinematics, Vec3};
 
-use crate::contacts::paths::PhaseFrames;
-use crate::contacts::{Phase, phases, point_paths, report as contact_report};
+use crate::contacts::{phases, point_paths, report as contact_report};
 use crate::options::{RefineDofs, RefineOptions, WorldOptions};
+use crate::phase::{Phase, PhaseFrames};
 use crate::result::RefinementReport;
 use crate::{Puppet, RetargetError};
 use physics::{Forces, Physics};
@@ -67,6 +70,10 @@ pub const REFERENCE_KG: f64 = 75.0;
 pub const LEAST_DEVIATION_M: f64 = 0.01;
 /// Time over which the mapping errs in the same way, τ, s.
 pub const INDEPENDENT_S: f64 = 0.5;
+/// Frame rate as whose frames all count, Hz: the paper's.
+pub const REFERENCE_HZ: f64 = 30.0;
+/// Way up or down in a flight that costs one half, over the flight's height.
+pub const FLIGHT_SHARE: f64 = 0.1;
 /// Slip that costs one half, m.
 pub const SLIP_M: f64 = 0.001;
 /// Share of the friction cone that is aimed at.
@@ -98,62 +105,44 @@ pub fn refine(
     world: &WorldOptions,
     options: &RefineOptions,
 ) -> Result<(Clip, RefinementReport), RetargetError> {
+    refine_with(puppet, clip, found, variance, world, options, &|_| {})
+}
+
+/// As [`refine`], with something done to the clip before it is judged.
+pub(crate) fn refine_with(
+    puppet: &Puppet,
+    clip: &Clip,
+    found: &[Phase],
+    variance: &[f64],
+    world: &WorldOptions,
+    options: &RefineOptions,
+    finish: &dyn Fn(&mut Clip),
+) -> Result<(Clip, RefinementReport), RetargetError> {
     world.check()?;
     check(options)?;
-    let spans = phases::frames_of_phases(puppet, found, clip)?;
-    let source = point_paths(puppet, clip);
-    let anchors = anchors(&source, &spans, clip.frames());
+    let prepared = Prepared::new(puppet, clip, found, world, options)?;
+    let Prepared { spans, source, anchors, penalty, length_m, solids, .. } = &prepared;
+    let (penalty, length_m) = (*penalty, *length_m);
+    let setting = Setting { variance, ..prepared.setting(puppet, world, options) };
     let c = &puppet.character;
-    let mut penalty =
-        Penalty::for_body(c.mass(), world.gravity_m_s2, mean_contacts(&anchors), options.sink_m)?;
-    penalty.mu = world.friction;
-    penalty.k_d *= DAMPING;
-    penalty.k_tp *= GRIP;
-    let length_m = gyration(puppet);
-    let solids = Solids::new(puppet, &world.obstacles, &options.accepted);
-    let setting = Setting {
-        puppet,
-        anchors: &anchors,
-        variance,
-        world,
-        options,
-        solids: options.collisions.then_some(&solids),
-        length_m,
-        penalty,
-    };
     let mut out = clip.clone();
-    let mut iterations = 0;
-    let (before_m, touching) = collisions(&solids, clip);
-    if options.collisions && before_m > TOUCH_M {
-        let between = |s: Range<usize>| joints_between(puppet, s.flat_map(|i| &touching[i]));
-        let dofs = between(0..clip.frames());
-        if !dofs.is_empty() {
-            let wide = RefineOptions {
-                spacing_s: COLLISION_SPACING_S,
-                iterations: options.iterations.min(COLLISION_STEPS),
-                ..options.clone()
-            };
-            let setting = Setting { options: &wide, ..setting };
-            // only what moves in the whole clip: a stretch in which only legs touch moves no leg if arms touch elsewhere
-            let moving = |s: Range<usize>| between(s).into_iter().filter(|d| dofs.contains(d)).collect();
-            iterations += windows::solve(setting, &mut out, &dofs, false, &|s| moving(s.counted.clone()))?;
-        }
-    }
+    let before_m = collisions(solids, clip).0;
     // the root moves all links alike: it cannot end a penetration of one link by another
     let alone = matches!(options.dofs, RefineDofs::RootHeight | RefineDofs::Root);
     let setting = Setting { solids: setting.solids.filter(|_| !alone), ..setting };
-    let dofs = refined_dofs(puppet, &options.dofs, &spans)?;
-    iterations += windows::solve(setting, &mut out, &dofs, true, &|_| dofs.clone())?;
+    let dofs = refined_dofs(puppet, &options.dofs, spans)?;
+    let iterations = windows::solve(setting, &mut out, &dofs, true, &|_| dofs.clone())?;
+    finish(&mut out);
 
     let mut physics = Physics::new(puppet, penalty, Vec3::y() * -world.gravity_m_s2);
-    let (before, after) = (forces(&mut physics, clip, &anchors), forces(&mut physics, &out, &anchors));
+    let (before, after) = (forces(&mut physics, clip, anchors), forces(&mut physics, &out, anchors));
     let moved: Vec<f64> =
         (0..clip.frames()).map(|i| root_displacement(puppet, clip.pose(i), out.pose(i))).collect();
     let mut sorted = moved.clone();
     sorted.sort_by(f64::total_cmp);
-    let held = contact_report(&source, &point_paths(puppet, &out), &spans, clip.rate_hz);
+    let held = contact_report(source, &point_paths(puppet, &out), spans, clip.rate_hz);
     let weight_n = c.mass() * world.gravity_m_s2;
-    let cone = |f: &[Forces]| outside_cone(f, &anchors, world.friction, weight_n);
+    let cone = |f: &[Forces]| outside_cone(f, anchors, world.friction, weight_n);
     let report = RefinementReport {
         before: mismatch(&before, length_m),
         after: mismatch(&after, length_m),
@@ -164,7 +153,7 @@ pub fn refine(
         slip_m: held.slip_m,
         cone_before: cone(&before),
         cone_after: cone(&after),
-        collision_m: [before_m, collisions(&solids, &out).0],
+        collision_m: [before_m, collisions(solids, &out).0],
         iterations,
         required_before: before.iter().map(|f| f.required).collect(),
         contact_before: before.iter().map(|f| f.given).collect(),
@@ -172,6 +161,104 @@ pub fn refine(
         contact_after: after.iter().map(|f| f.given).collect(),
     };
     Ok((out, report))
+}
+
+/// Turns joints between links that are in one another, and between the body and solids of the scene, until they are apart or as far as
+/// it goes in a few steps; contact points stay. Nothing else moves.
+///
+/// # Errors
+/// As [`refine`].
+pub fn apart(
+    puppet: &Puppet,
+    clip: &Clip,
+    found: &[Phase],
+    variance: &[f64],
+    world: &WorldOptions,
+    options: &RefineOptions,
+) -> Result<Clip, RetargetError> {
+    world.check()?;
+    check(options)?;
+    let mut out = clip.clone();
+    let wide = RefineOptions {
+        spacing_s: COLLISION_SPACING_S,
+        iterations: options.iterations.min(COLLISION_STEPS),
+        ..options.clone()
+    };
+    let prepared = Prepared::new(puppet, clip, found, world, &wide)?;
+    let (deepest, touching) = collisions(&prepared.solids, clip);
+    if !options.collisions || deepest <= TOUCH_M {
+        return Ok(out);
+    }
+    let between = |s: Range<usize>| joints_between(puppet, s.flat_map(|i| &touching[i]));
+    let dofs = between(0..clip.frames());
+    if !dofs.is_empty() {
+        let setting = Setting { variance, ..prepared.setting(puppet, world, &wide) };
+        // only what moves in the whole clip: a stretch in which only legs touch moves no leg if arms touch elsewhere
+        let moving = |s: Range<usize>| between(s).into_iter().filter(|d| dofs.contains(d)).collect();
+        windows::solve(setting, &mut out, &dofs, false, &|s| moving(s.counted.clone()))?;
+    }
+    Ok(out)
+}
+
+/// What a clip brings to a problem.
+struct Prepared {
+    spans: Vec<Vec<PhaseFrames>>,
+    source: Vec<Vec<Vec3>>,
+    anchors: Vec<Vec<Option<[f64; 2]>>>,
+    /// Weight of the root's squared way up or down in every frame, 1/m²; 0 outside flights.
+    aloft: Vec<f64>,
+    penalty: Penalty,
+    length_m: f64,
+    solids: Solids,
+}
+
+impl Prepared {
+    fn new(
+        puppet: &Puppet,
+        clip: &Clip,
+        found: &[Phase],
+        world: &WorldOptions,
+        options: &RefineOptions,
+    ) -> Result<Self, RetargetError> {
+        let spans = phases::frames_of_phases(puppet, found, clip)?;
+        let source = point_paths(puppet, clip);
+        let anchors = anchors(&source, &spans, clip.frames());
+        let mass = puppet.character.mass();
+        let mut penalty =
+            Penalty::for_body(mass, world.gravity_m_s2, mean_contacts(&anchors), options.sink_m)?;
+        penalty.mu = world.friction;
+        penalty.k_d *= DAMPING;
+        penalty.k_tp *= GRIP;
+        let mut aloft = vec![0.0; clip.frames()];
+        for f in options.flights.iter().filter(|f| f.height_m > 0.0) {
+            let frame = |t: f64| (t * clip.rate_hz).round().max(0.0) as usize;
+            let weight = (FLIGHT_SHARE * f.height_m).powi(-2);
+            let inside = aloft.iter_mut().take(frame(f.to_s) + 1).skip(frame(f.from_s));
+            inside.for_each(|w| *w = weight);
+        }
+        let solids = Solids::new(puppet, &world.obstacles, &options.accepted);
+        Ok(Self { spans, source, anchors, aloft, penalty, length_m: gyration(puppet), solids })
+    }
+
+    /// The setting, without the mapping's variance.
+    fn setting<'a>(
+        &'a self,
+        puppet: &'a Puppet,
+        world: &'a WorldOptions,
+        options: &'a RefineOptions,
+    ) -> Setting<'a> {
+        Setting {
+            puppet,
+            anchors: &self.anchors,
+            variance: &[],
+            aloft: &self.aloft,
+            world,
+            options,
+            solids: options.collisions.then_some(&self.solids),
+            length_m: self.length_m,
+            penalty: self.penalty,
+        }
+    }
 }
 
 /// Links that carry at least half of the mass that is not the root's: what moves the body of one that stands on its root.

@@ -13,7 +13,7 @@ use super::basis::{Active, Basis, Stencils};
 use super::local::FrameQuadratic;
 use super::physics::{Forces, GroundSlope, Physics, Slopes};
 use super::solids::{Penetration, Solids};
-use super::{CONE_SHARE, INDEPENDENT_S, LEAST_DEVIATION_M, REFERENCE_KG, SLIP_M};
+use super::{CONE_SHARE, INDEPENDENT_S, LEAST_DEVIATION_M, REFERENCE_HZ, REFERENCE_KG, SLIP_M};
 use crate::Puppet;
 use crate::options::{CONE, RefineDofs, RefineOptions, WorldOptions};
 use motion::ik::JointAxes;
@@ -34,6 +34,8 @@ pub(super) struct Setting<'a> {
     pub puppet: &'a Puppet,
     pub anchors: &'a [Vec<Option<[f64; 2]>>],
     pub variance: &'a [f64],
+    /// Weight of the root's squared way up or down in every frame, 1/m².
+    pub aloft: &'a [f64],
     pub world: &'a WorldOptions,
     pub options: &'a RefineOptions,
     pub solids: Option<&'a Solids>,
@@ -74,6 +76,10 @@ pub(super) struct Problem<'a> {
     begin: Vec<f64>,
     /// Feature points of the clip that is refined, per frame.
     reference: Vec<Vec3>,
+    /// Heights of its root, m.
+    heights: Vec<f64>,
+    /// A frame's share of one at [`REFERENCE_HZ`].
+    frame_share: f64,
     k: Kinematics,
     axes: JointAxes,
 }
@@ -93,7 +99,8 @@ impl<'a> Problem<'a> {
         let (nq, d, rate) = (s.nq(), all.len(), whole.rate_hz);
         let mut moved = vec![None; s.nv()];
         dofs.iter().enumerate().for_each(|(i, &d)| moved[d] = Some(i));
-        let unit = setting.options.k1.sqrt() * REFERENCE_KG / puppet.character.mass();
+        let frame_share = REFERENCE_HZ / rate;
+        let unit = (setting.options.k1 * frame_share).sqrt() * REFERENCE_KG / puppet.character.mass();
         let alone = setting.options.dofs == RefineDofs::RootHeight;
         let beside = if alone { BESIDE * unit } else { unit };
         let around = beside / setting.length_m;
@@ -105,7 +112,7 @@ impl<'a> Problem<'a> {
         let mut settled = vec![0.0; base.frames() * d];
         let (every, mut others) = (0..basis.len(), Active::default());
         let mut k = Kinematics::new(s, base.pose(0));
-        let mut reference = Vec::new();
+        let (mut reference, mut heights) = (Vec::new(), Vec::new());
         for i in 0..base.frames() {
             basis.sampled(&stencils, i, start as f64 / rate, &stretch.functions, &mut active[i]);
             basis.at((start + i) as f64 / rate, &every, &mut others);
@@ -118,6 +125,7 @@ impl<'a> Problem<'a> {
             }
             k.update(s, base.pose(i));
             reference.extend(puppet.features.points.iter().map(|p| k.point(p.link, &p.at)));
+            heights.push(k.origin(0).y);
         }
         let columns: Vec<usize> = (0..d).filter(|&j| moved[all[j]].is_some()).collect();
         let begin =
@@ -136,6 +144,8 @@ impl<'a> Problem<'a> {
             active,
             settled,
             reference,
+            heights,
+            frame_share,
             k,
         }
     }
@@ -159,9 +169,9 @@ impl<'a> Problem<'a> {
         out
     }
 
-    /// Functions, degrees of freedom of each, frames whose cost counts.
-    pub(super) fn shape(&self) -> (usize, usize, usize) {
-        (self.stretch.functions.len(), self.dofs.len(), self.stretch.counted.len())
+    /// Functions, degrees of freedom of each, frames at [`REFERENCE_HZ`] whose cost counts.
+    pub(super) fn shape(&self) -> (usize, usize, f64) {
+        (self.stretch.functions.len(), self.dofs.len(), self.frame_share * self.stretch.counted.len() as f64)
     }
 
     /// Weights to begin with.
@@ -233,24 +243,30 @@ impl<'a> Problem<'a> {
             sum += 0.5 * self.prior_weight(frame) * away;
             let slips = self.slips(frame).map(|(_, _, slip)| slip.norm_squared()).sum::<f64>();
             sum += 0.5 * slips / self.slip_m().powi(2);
+            let risen = self.k.origin(0).y - self.heights[i];
+            sum += 0.5 * self.frame_share * self.setting.aloft[frame] * risen * risen;
             let links = 0..clip.skeleton.links().len();
             let beyond: f64 = links
                 .filter_map(|l| tangent_correction(&clip.skeleton, q, l))
                 .map(|e| e.norm_squared())
                 .sum();
-            sum += 0.5 * LIMIT * beyond;
+            sum += 0.5 * self.frame_share * LIMIT * beyond;
             if let Some(solids) = self.setting.solids {
                 touches.clear();
                 solids.penetrations(&self.k, &mut touches);
-                sum += 0.5 * TOUCH * touches.iter().map(|t| t.depth_m * t.depth_m).sum::<f64>();
+                sum += 0.5
+                    * self.frame_share
+                    * TOUCH
+                    * touches.iter().map(|t| t.depth_m * t.depth_m).sum::<f64>();
             }
         }
         sum
     }
 
-    /// Slip that costs one half, m. Without forces it is a tenth: the pass against collisions must not move the feet.
+    /// Slip that costs one half in a frame, m. Without forces it is a tenth: the pass against collisions must not move the feet.
     fn slip_m(&self) -> f64 {
-        if self.force.is_some() { SLIP_M } else { 0.1 * SLIP_M }
+        let whole = if self.force.is_some() { SLIP_M } else { 0.1 * SLIP_M };
+        whole / self.frame_share.sqrt()
     }
 
     /// Points in a phase in this frame: link, position, horizontal way from the anchor.
@@ -356,16 +372,21 @@ impl<'a> Problem<'a> {
                 self.along(link, &at, &axis, error, 1.0 / self.slip_m(), local);
             }
         }
+        let aloft = self.frame_share * self.setting.aloft[frame];
+        if aloft > 0.0 {
+            let root = self.k.origin(0);
+            self.along(0, &root, &Vec3::y(), root.y - self.heights[i], aloft.sqrt(), local);
+        }
         self.limits(q, local, |local, r| local.add_row(r, local.d));
         if let Some(solids) = self.setting.solids {
-            let mut touches = Vec::new();
+            let (mut touches, touch) = (Vec::new(), (self.frame_share * TOUCH).sqrt());
             solids.penetrations(&self.k, &mut touches);
             for t in &touches {
                 local.clear_row();
                 let mut put = |link: usize, at: &Vec3, sign: f64| {
                     for &dof in &self.axes.chain[link] {
                         if let Some(j) = self.moved[dof] {
-                            local.row[j] -= sign * TOUCH.sqrt() * self.axes.all[dof].column(at).dot(&t.out);
+                            local.row[j] -= sign * touch * self.axes.all[dof].column(at).dot(&t.out);
                         }
                     }
                 };
@@ -373,23 +394,23 @@ impl<'a> Problem<'a> {
                 if let Some((link, at)) = t.second {
                     put(link, &at, -1.0);
                 }
-                local.add_row(TOUCH.sqrt() * t.depth_m, self.dofs.len());
+                local.add_row(touch * t.depth_m, self.dofs.len());
             }
         }
     }
 
     /// Joints of a pose beyond their limits: each is put into `local.row`, its residual handed on.
     fn limits(&self, q: &[f64], local: &mut FrameQuadratic, mut put: impl FnMut(&mut FrameQuadratic, f64)) {
-        let skeleton = &self.base.skeleton;
+        let (skeleton, limit) = (&self.base.skeleton, (self.frame_share * LIMIT).sqrt());
         for l in 0..skeleton.links().len() {
             let Some(e) = tangent_correction(skeleton, q, l) else { continue };
             local.clear_row();
             for (a, slope) in tangent_correction_slopes(skeleton, q, l).into_iter().enumerate() {
                 if let Some(j) = self.moved[skeleton.v_at(l) + a] {
-                    local.row[j] = LIMIT.sqrt() * slope;
+                    local.row[j] = limit * slope;
                 }
             }
-            put(local, LIMIT.sqrt() * e.norm());
+            put(local, limit * e.norm());
         }
     }
 

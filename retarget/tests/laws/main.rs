@@ -5,6 +5,7 @@ mod contacts;
 mod errors;
 mod fit;
 mod global;
+mod guard;
 mod live;
 mod refine;
 mod sway;

@@ -13,6 +13,7 @@
 pub mod files;
 pub mod key_pose_file;
 pub mod report;
+pub mod stage_report;
 pub mod take;
 
 use std::path::{Path, PathBuf};

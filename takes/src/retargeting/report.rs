@@ -10,6 +10,7 @@ use retarget::{MappingModel, PipelineStage, Retargeted};
 use serde::Serialize;
 
 use super::Session;
+use super::stage_report::{self, FlightNumbers, StageNumbers};
 
 /// All numbers of a run.
 #[derive(Clone, Debug, Serialize)]
@@ -44,6 +45,12 @@ pub struct RetargetReport {
     /// Forces before and after the refinement.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub refinement: Option<RefinementNumbers>,
+    /// How far each stage went from the one before, of those that are held to bounds.
+    pub stages: Vec<StageNumbers>,
+    /// Flights of the human on the character.
+    pub flights: Vec<FlightNumbers>,
+    /// What a person should know: bounds that were reached, contacts that gave way, flights that fall.
+    pub warnings: Vec<String>,
     /// Moments whose poses the model is least sure of, to be made next; in the order of their worth.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub suggested: Vec<Suggestion>,
@@ -92,6 +99,8 @@ pub struct MomentumNumbers {
 pub struct ContactNumbers {
     /// Contact phases.
     pub phases: Vec<PhaseNumbers>,
+    /// Parts of phases that could not be kept.
+    pub gave_way: Vec<PhaseNumbers>,
     /// Farthest way of a point within a phase, mm.
     pub slip_mm: f64,
     /// Deepest penetration of a contact point, mm.
@@ -101,7 +110,7 @@ pub struct ContactNumbers {
 }
 
 /// A contact phase.
-#[derive(Clone, Debug, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct PhaseNumbers {
     /// The contact point.
     pub point: String,
@@ -193,6 +202,7 @@ impl RetargetReport {
                 phases: (done.phases.iter())
                     .map(|p| PhaseNumbers { point: p.point.clone(), from_s: p.from_s, to_s: p.to_s })
                     .collect(),
+                gave_way: stage_report::gave_way(done),
                 slip_mm: 1e3 * c.slip_m,
                 penetration_mm: 1e3 * c.penetration_m,
                 jerk_ratio: c.jerk_ratio,
@@ -212,6 +222,9 @@ impl RetargetReport {
                 collision_mm: r.collision_m.map(|m| 1e3 * m),
                 iterations: r.iterations,
             }),
+            stages: stage_report::stages(done),
+            flights: stage_report::flights(done),
+            warnings: stage_report::warnings(done),
             suggested,
             files: BTreeMap::new(),
         }

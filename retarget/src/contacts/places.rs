@@ -1,0 +1,20 @@
+//! Where sites of a character are, frame by frame.
+
+use bodies::Character;
+use motion::Clip;
+
+use crate::phase::Path;
+
+/// World positions of some sites of a character in every frame, one path per site.
+pub(crate) fn site_paths(character: &Character, sites: &[usize], clip: &Clip) -> Vec<Path> {
+    let all = character.skeleton.sites();
+    let mut k = motion::Kinematics::new(&clip.skeleton, &clip.skeleton.zero_pose());
+    let mut out = vec![Path::with_capacity(clip.frames()); sites.len()];
+    for i in 0..clip.frames() {
+        k.update(&clip.skeleton, clip.pose(i));
+        for (path, &site) in out.iter_mut().zip(sites) {
+            path.push(k.point(all[site].link, &all[site].at));
+        }
+    }
+    out
+}
