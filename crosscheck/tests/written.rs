@@ -30,7 +30,7 @@ fn standing() -> Vec<PathBuf> {
 }
 
 const STANDS: &str = r#"
-import sys, json, mujoco, numpy as np
+import sys, json, mujoco
 m = mujoco.MjModel.from_xml_path(sys.argv[1])
 d = mujoco.MjData(m)
 def lowest():
@@ -44,17 +44,19 @@ mujoco.mj_resetDataKeyframe(m, d, m.key("rest").id)
 rest = lowest()
 joints = [m.joint(j).name for j in range(m.njnt)]
 mujoco.mj_resetData(m, d)
-worst, speed = 0.0, 0.0
+m.opt.enableflags |= int(mujoco.mjtEnableBit.mjENBL_ENERGY)
+mujoco.mj_forward(m, d)
+before = most = sum(d.energy)
 while d.time < 2.0:
     mujoco.mj_step(m, d)
-    speed = max(speed, np.abs(d.qvel).max())
-    worst = min(worst, min([c.dist for c in d.contact], default=0.0))
+    most = max(most, sum(d.energy))
+weight = float(m.body_subtreemass[0]) * 9.81
 bad = sum(int(w.number) for w in d.warning)
-print(json.dumps({"start": start, "rest": rest, "joints": joints, "worst": worst, "speed": speed, "bad": bad, "mass": float(m.body_subtreemass[0])}))
+print(json.dumps({"start": start, "rest": rest, "joints": joints, "gain": (most - before) / weight, "bad": bad, "mass": float(m.body_subtreemass[0])}))
 "#;
 
-/// In its rest pose the lowest solid touches the floor; without the key frame nothing is inside it; and left to itself the body
-/// sinks down limp: nothing explodes.
+/// In its rest pose the lowest solid touches the floor; without the key frame nothing is inside it; and left to itself the body falls
+/// limp without gaining energy: nothing explodes. (The human that once stood 0.93 m inside its floor diverged at 0.34 s.)
 #[test]
 fn slow_a_body_stands_on_its_own_floor_in_mujoco() {
     let python = crosscheck::environment::prepare(&mut |_| {}).unwrap();
@@ -73,7 +75,8 @@ fn slow_a_body_stands_on_its_own_floor_in_mujoco() {
         let wanted = if name == "refroot.xml" { 0.8 } else { 0.0 };
         assert!((rest - wanted).abs() < 1e-3, "{name}: rest {rest}");
         assert!(number("start") > -1e-6, "{name}: {}", number("start"));
-        assert!(number("bad") == 0.0 && number("speed") < 60.0 && number("worst") > -0.05, "{name}: {text}");
+        // metres of the body's height; 0 seen
+        assert!(number("bad") == 0.0 && number("gain") < 1e-3, "{name}: {text}");
         assert!((number("mass") - made.mass_kg).abs() < 1e-9, "{name}");
         assert_eq!(v["joints"].as_array().unwrap().len(), made.joints, "{name}");
     }
@@ -93,13 +96,7 @@ fn what_is_written_is_read_back_in_its_rest_pose() {
             "{name}"
         );
         assert!((back.character.mass() - made.mass_kg).abs() < 1e-12, "{name}");
-        // and again, to the byte, but for what the second reading calls the file
-        let (again, _) = written(&file, folder.path());
-        let body = |text: &str| {
-            text[text.find("<worldbody>").unwrap()..text.find("</worldbody>").unwrap()].to_owned()
-        };
-        let differ = body(&made.text).lines().zip(body(&again.text).lines()).filter(|(a, b)| a != b).count();
-        println!("{name}: {differ} lines differ after a second writing");
+        written(&file, folder.path());
         let second = read(&folder.path().join("body.xml"));
         let largest = back
             .character
@@ -108,7 +105,7 @@ fn what_is_written_is_read_back_in_its_rest_pose() {
             .zip(&second.character.rest)
             .map(|(a, b)| (a - b).abs())
             .fold(0.0, f64::max);
-        assert!(largest < 1e-14, "{name}: {largest}");
+        assert!(largest < 1e-12, "{name}: {largest}");
     }
 }
 

@@ -1,6 +1,6 @@
 //! Motion without mass: skeletons, poses, clips, and everything that needs only geometry and time.
 //!
-//! In: joint values, scripts. Out: [`Clip`]s, which every stage takes and gives. No forces, no engine, no files.
+//! In: joint values, scripts. Out: [`Clip`]s, which every stage takes and gives. No forces, no engine, no formats.
 //!
 //! | module | holds |
 //! |---|---|
@@ -18,6 +18,7 @@
 //! | [`timing`] | what muscles know of a written motion |
 //! | [`plant`] | feet that stay where they stand |
 //! | [`shape`] | capsules, boxes, balls |
+//! | [`file`] | reading a file within a limit |
 //! | [`fk`] | forward kinematics |
 //! | [`ik`] | two-bone limbs to a target, whole bodies to many; axes of joints |
 //! | [`limits`] | the way of a joint back into its range |
@@ -36,6 +37,7 @@ pub mod contact_plan;
 pub mod curve;
 pub mod derivatives;
 pub mod dof;
+pub mod file;
 pub mod fk;
 pub mod floor;
 pub mod ik;

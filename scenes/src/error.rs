@@ -7,11 +7,15 @@
 use std::fmt;
 use std::path::{Path, PathBuf};
 
+use motion::file::read_within;
 use motion::names::{brief, nearest};
 use serde::de::DeserializeOwned;
 
 use crate::library::{self, Entry};
 use crate::source_map::{SourceMap, line_column};
+
+/// Largest RON file: a scene with thousands of poses has less than a megabyte.
+const RON_BYTES: u64 = 16 << 20;
 
 /// What is wrong with a file a person wrote, and where.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
@@ -79,7 +83,7 @@ impl Source {
                 fail("no such file of the library".into()).with_help("`contrapposto library` lists them")
             });
         }
-        let bytes = std::fs::read(path).map_err(|e| {
+        let bytes = read_within(path, RON_BYTES).map_err(|e| {
             let fault = fail(format!("cannot read the file: {e}"));
             match library::namesake(path).filter(|_| e.kind() == std::io::ErrorKind::NotFound) {
                 Some(entry) => fault.with_help(in_library(entry)),

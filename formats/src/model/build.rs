@@ -115,11 +115,16 @@ pub fn build(file: &ModelFile) -> Result<Imported, ImportError> {
     })
 }
 
-/// The highest level plane of the world on which a body can stand.
+/// The plane of the world on which a body can stand: the highest under the origin, if there are several.
 fn ground(file: &ModelFile, ours_from_file: &Quat) -> Option<Floor> {
     let planes = file.bodies[0].geoms.iter().filter(|g| g.shape == FileShape::Plane && g.collides);
-    let level = planes.filter(|g| (ours_from_file * (g.pose.rotation * Vec3::z()) - Vec3::y()).norm() < 1e-6);
-    let floors = level.map(|g| Floor::level((ours_from_file * g.pose.translation.vector).y, g.friction));
+    let floors = planes.filter_map(|g| {
+        let up = ours_from_file * (g.pose.rotation * Vec3::z());
+        let at = ours_from_file * g.pose.translation.vector;
+        // a turn and back leaves some roundings of a level plane
+        let up = if (up - Vec3::y()).norm() < 1e-12 { Vec3::y() } else { up };
+        (up.y > 0.1).then(|| Floor { up, ..Floor::level(at.dot(&up) / up.y, g.friction) })
+    });
     floors.max_by(|a, b| a.height_m.total_cmp(&b.height_m))
 }
 

@@ -92,7 +92,7 @@ pub struct Imported {
     pub format: Format,
     /// Gravity in our world, m/s².
     pub gravity: Vec3,
-    /// The highest level plane of the file's world.
+    /// The plane of the file's world on which a body can stand.
     pub ground: Option<Floor>,
     /// Rotation that takes vectors of the file's world to ours.
     pub ours_from_file: Quat,

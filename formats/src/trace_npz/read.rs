@@ -8,6 +8,7 @@ use std::io::{Read, Seek};
 use std::path::Path;
 use std::sync::Arc;
 
+use motion::file::read_within;
 use motion::names::Word;
 use motion::{Limb, Limits, Link, Site, Skeleton, SkeletonError, Transform, Vec3};
 use nalgebra::{Matrix3, Translation3};
@@ -17,6 +18,7 @@ use zip::result::ZipError;
 
 use super::body;
 use super::npy::{Fault, Npy};
+use crate::limits::TRACE_BYTES;
 use bodies::{Body, Carried, Character, CharacterError};
 use dynamics::{ContactSample, Disturbed, Handed, RootMode, RootName, Trace};
 
@@ -91,7 +93,7 @@ pub fn read<R: Read + Seek>(input: R) -> Result<Trace, TraceFileError> {
 /// As [`read`], and of the file system.
 pub fn open(path: &Path) -> Result<Trace, TraceFileError> {
     // the whole file at once: arrays are read one after another, each in one piece
-    read(std::io::Cursor::new(std::fs::read(path)?))
+    read(std::io::Cursor::new(read_within(path, TRACE_BYTES)?))
 }
 
 fn arrays<R: Read + Seek>(npz: &mut Arrays<R>) -> Result<Trace, TraceFileError> {

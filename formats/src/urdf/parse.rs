@@ -63,7 +63,8 @@ pub struct RobotJoint {
 const NONE: &[Word] = &[];
 const ROBOT: &[Word] = &[("name", Use::Read), ("version", Use::Look("version"))];
 const LINK: &[Word] = &[("name", Use::Read), ("type", Use::Look("a word of an old format"))];
-const JOINT: &[Word] = &[("name", Use::Read), ("type", Use::Read)];
+const JOINT: &[Word] =
+    &[("name", Use::Read), ("type", Use::Read), ("dont_collapse", Use::Look("for another program"))];
 const ORIGIN: &[Word] = &[("xyz", Use::Read), ("rpy", Use::Read), ("quat_xyzw", Use::Read)];
 const INERTIA: &[Word] = &[
     ("ixx", Use::Read),
@@ -82,9 +83,21 @@ const LIMIT: &[Word] = &[
     ("acceleration", RATING),
     ("deceleration", RATING),
     ("jerk", RATING),
+    ("command_effort", RATING),
+    ("current", RATING),
+    ("gear_velocity", RATING),
 ];
-const DYNAMICS: &[Word] =
-    &[("damping", Use::Nonzero("passive forces")), ("friction", Use::Nonzero("passive forces"))];
+const PASSIVE: Use = Use::Nonzero("passive forces");
+const DYNAMICS: &[Word] = &[
+    ("damping", PASSIVE),
+    ("friction", PASSIVE),
+    ("D", PASSIVE),
+    ("K", PASSIVE),
+    ("mu_coulomb", PASSIVE),
+    ("mu_viscous", PASSIVE),
+    ("spring_reference", PASSIVE),
+    ("spring_stiffness", PASSIVE),
+];
 
 const FOREIGN: Fate = Listed(Effect::Physics, "not part of URDF");
 const OTHERS: Fate = Listed(Effect::Look, "for another program");
@@ -108,6 +121,9 @@ const LINK_PARTS: &[Part] = &[
     ("collision", Taken),
     ("sensor", Listed(Effect::Look, "sensor: it measures and exerts no force")),
     ("gazebo", OTHERS),
+    ("self_filter", OTHERS),
+    ("kinematic", OTHERS),
+    ("origin", Listed(Effect::Look, "a link has no origin but that of its joint")),
     ("collision_checking", FOREIGN),
     ("self_collision_checking", FOREIGN),
     ("contact", FOREIGN),
@@ -356,7 +372,7 @@ fn solid(element: &Element, link: &str, left_out: &mut Vec<LeftOut>) -> Result<S
     }
     let pose = origin(element, left_out)?;
     let geometry = only(element, "geometry")?.ok_or_else(|| missing(element, "<geometry>"))?;
-    attributes(geometry, NONE, "geometry", left_out)?;
+    attributes(geometry, &[("name", Use::Look("look"))], "geometry", left_out)?;
     for child in &geometry.children {
         judge(child, "geometry", GEOMETRY_PARTS, left_out)?;
     }
