@@ -37,7 +37,7 @@ fn human_like_files_get_a_body_and_others_are_refused() {
             Ok(_) => accepted.push(name),
             Err(GuessError::NotStanding { .. }) => {
                 let (_, report) = guess_body_of_clip(&clip, &BodyOptions::default()).unwrap();
-                assert!(report.notes.iter().any(|n| n.contains("is the reference")), "{report}");
+                assert!(report.notes.iter().any(|n| n.contains("the zero pose does not stand")), "{report}");
                 by_frame.push(name);
             }
             Err(GuessError::Anatomy(AnatomyError::Missing { missing, .. })) => {
@@ -54,6 +54,67 @@ fn human_like_files_get_a_body_and_others_are_refused() {
         refused,
         ["fairmotion_sinusoidal", "pybvh_full_precision_frame_time", "pybvh_rotation_first_root"]
     );
+}
+
+/// A rig whose zero pose is no figure has the ranges of one whose zero pose is one, and the motion keeps them.
+#[test]
+fn a_zero_pose_that_is_no_figure_does_not_widen_the_ranges() {
+    let dance = clip(&support::shared("bvh-zoo/animateddrawings_rokoko_jesse_dance.bvh"));
+    let (c, report) = guess_body_of_clip(&dance, &BodyOptions::default()).unwrap();
+    let note = report.notes.iter().find(|n| n.contains("the zero pose does not stand")).unwrap();
+    assert!(note.contains("most upright and quiet"), "{note}");
+    let width = |limits: &Limits| match limits {
+        Limits::Ball(b) => b.ranges.iter().map(|r| (r.hi - r.lo).to_degrees()).collect::<Vec<f64>>(),
+        Limits::Axis(r) => vec![(r.hi - r.lo).to_degrees()],
+    };
+    for (name, most) in [("LeftUpLeg", 250.0), ("LeftLeg", 190.0), ("LeftFoot", 160.0), ("Spine1", 150.0)] {
+        let link = &c.skeleton.links()[c.skeleton.link(name).unwrap()];
+        let widths = width(link.limits.as_ref().unwrap());
+        assert!(widths.iter().all(|w| *w < most), "{name}: {widths:?}"); // 333° and more before
+    }
+    let map = PoseMap::new(&dance.skeleton, &c.skeleton).unwrap();
+    let on_body = map.clip_to_character(&dance, &c.skeleton);
+    let changed =
+        (0..on_body.frames()).filter(|&f| c.skeleton.clamp_to_limits(&mut on_body.pose(f).to_vec())).count();
+    let share = changed as f64 / on_body.frames() as f64;
+    println!("limits change {:.1} % of the frames", 100.0 * share);
+    assert!(share < 0.25, "{share}"); // all frames before
+    // each sole is flat where it is lowest
+    let corners = |frame: usize| {
+        let k = Kinematics::new(&c.skeleton, on_body.pose(frame));
+        let at = |&i: &usize| k.point(c.skeleton.sites()[i].link, &c.skeleton.sites()[i].at).y;
+        c.contacts.iter().map(at).collect::<Vec<f64>>()
+    };
+    let all: Vec<Vec<f64>> = (0..on_body.frames()).map(corners).collect();
+    for foot in [0..4, 4..8] {
+        let of = |heights: &Vec<f64>| {
+            let own = &heights[foot.clone()];
+            own.iter().fold((f64::MAX, f64::MIN), |(lo, hi), h| (lo.min(*h), hi.max(*h)))
+        };
+        let (lo, hi) = all.iter().map(of).min_by(|a, b| a.1.total_cmp(&b.1)).unwrap();
+        assert!(hi - lo < 0.02, "{lo} {hi}");
+    }
+    // and a point is where the clip has it, through the turned zero frames
+    let theirs = Kinematics::new(&dance.skeleton, dance.pose(400));
+    let ours = Kinematics::new(&c.skeleton, on_body.pose(400));
+    for i in 0..dance.skeleton.links().len() {
+        if c.skeleton.links()[i].joint != Joint::Fixed {
+            assert!((theirs.origin(i) - ours.origin(i)).norm() < 1e-9, "{}", c.skeleton.links()[i].name);
+        }
+    }
+    // no frame of it stands: refused, with the reason
+    let lying = {
+        let mut q = dance.data().to_vec();
+        let nq = dance.skeleton.nq();
+        let down = motion::rotation::exp(&(Vec3::x() * 1.57));
+        for pose in q.chunks_exact_mut(nq) {
+            let turned = down * dance.skeleton.rotation(pose, 0);
+            dance.skeleton.set_rotation(pose, 0, &turned);
+        }
+        Clip::new(dance.skeleton.clone(), dance.rate_hz, q)
+    };
+    let e = guess_body_of_clip(&lying, &BodyOptions::default()).unwrap_err().to_string();
+    assert!(e.contains("of the straightest frame leans"), "{e}");
 }
 
 fn bodies() -> Vec<(String, Clip, Character, f64)> {

@@ -11,7 +11,7 @@
 //! the tree: lengths do not tell a collar bone from an upper arm (CMU: collar bone 0.21 m, upper arm
 //! 0.27 m, forearm 0.19 m), and a body hung on the wrong joint is worse than a refusal.
 
-use motion::Skeleton;
+use motion::{Joint, Skeleton};
 use thiserror::Error;
 
 use super::names::{Word, read_name};
@@ -224,12 +224,16 @@ pub struct Anatomy {
     pub legs: [[usize; 3]; 2],
 }
 
-impl Anatomy {
-    /// Finds the roles of all links.
-    ///
-    /// # Errors
-    /// See [`AnatomyError`].
-    pub fn of(skeleton: &Skeleton) -> Result<Self, AnatomyError> {
+/// What the names say: side and word of every link, and the links of arms, legs and head.
+struct Named {
+    read: Vec<(Option<Side>, Option<Word>)>,
+    arms: [[usize; 3]; 2],
+    legs: [[usize; 3]; 2],
+    head: usize,
+}
+
+impl Named {
+    fn of(skeleton: &Skeleton) -> Result<Self, AnatomyError> {
         let links = skeleton.links();
         let read: Vec<_> = links.iter().map(|l| read_name(&l.name)).collect();
         let under = |i: usize, top: usize| path_up(skeleton, i).contains(&top);
@@ -292,6 +296,43 @@ impl Anatomy {
                 }
             }
         }
+        Ok(Self { read, arms, legs, head })
+    }
+}
+
+/// The pelvis of a human-like skeleton whose root is another link above it: a reference at the floor, a root bone, a mover.
+///
+/// `None` where the root is the pelvis (also with a link stacked on it), where names say nothing, and where legs and
+/// arms part above the pelvis. A link above it counts where the pelvis lies elsewhere or moves against it.
+pub fn pelvis_below_root(skeleton: &Skeleton) -> Option<usize> {
+    let Named { arms, legs, .. } = Named::of(skeleton).ok()?;
+    let pelvis = common_ancestor(skeleton, legs[0][0], legs[1][0]);
+    let chest = common_ancestor(skeleton, arms[0][0], arms[1][0]);
+    let trunk = chest != pelvis && path_up(skeleton, chest).contains(&pelvis);
+    let apart = distance_from_root(skeleton, pelvis) > STACKED_M;
+    let moves = path_up(skeleton, pelvis)
+        .iter()
+        .any(|&i| i != 0 && matches!(skeleton.links()[i].joint, Joint::Free | Joint::Prismatic(_)));
+    (pelvis != 0 && trunk && (apart || moves)).then_some(pelvis)
+}
+
+/// Links farther from the root than this are not stacked on it, m.
+const STACKED_M: f64 = 0.02;
+
+/// Length of the offsets from the root to a link, m.
+fn distance_from_root(skeleton: &Skeleton, link: usize) -> f64 {
+    let links = path_up(skeleton, link);
+    let offset = |&i: &usize| skeleton.links()[i].parent_from_zero.translation.vector.norm();
+    links.iter().filter(|&&i| i != 0).map(offset).sum()
+}
+
+impl Anatomy {
+    /// Finds the roles of all links.
+    ///
+    /// # Errors
+    /// See [`AnatomyError`].
+    pub fn of(skeleton: &Skeleton) -> Result<Self, AnatomyError> {
+        let Named { read, arms, legs, head } = Named::of(skeleton)?;
         Self::from_chains(skeleton, &read, arms, legs, head)
     }
 
@@ -306,13 +347,9 @@ impl Anatomy {
         let mut roles = vec![Role::Other; links.len()];
         // Pelvis: where the legs meet. Links above it may only be stacked on the same point.
         let hips = common_ancestor(skeleton, legs[0][0], legs[1][0]);
-        let far = path_up(skeleton, hips)
-            .iter()
-            .filter(|&&i| i != 0)
-            .map(|&i| links[i].parent_from_zero.translation.vector.norm())
-            .sum::<f64>();
+        let far = distance_from_root(skeleton, hips);
         let chest = common_ancestor(skeleton, arms[0][0], arms[1][0]);
-        if far > 0.02 || chest == 0 {
+        if far > STACKED_M || chest == 0 {
             return Err(AnatomyError::Root { pelvis: links[hips].name.clone(), root: links[0].name.clone() });
         }
         roles[0] = Role::Pelvis;

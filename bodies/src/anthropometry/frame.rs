@@ -3,15 +3,18 @@
 //! A file's zero pose is a T, an A, splayed thighs or anything else. Limits, masses and contact
 //! points are stated for the neutral pose, so here it is found: from the zero pose, or from a
 //! standing *reference* pose where the zero pose is not one, each limb bone is turned by the smallest
-//! rotation that makes it hang. The trunk stays as the reference has it.
+//! rotation that makes it hang. The trunk stays as the reference has it. Feet go with their shins, but stay as they
+//! lie flat where they are lowest in the motion, if the reference is a posed frame: someone who stands has flat feet,
+//! whatever the legs lean. A posed frame may also have a leg or an arm turned about itself: the axes about which knees
+//! and elbows bend in the motion lie across the body in the neutral pose. [`Posed`] has both.
 //!
 //! Symbols: `left`, `up`, `front` unit vectors of the body in the world (up is +Y); a link's *bone*
 //! is the vector from its joint to the next one along the body.
 
-use motion::rotation::between;
-use motion::{Kinematics, Quat, Skeleton, Vec3};
+use motion::rotation::{between, exp, swing_twist};
+use motion::{Clip, Kinematics, Quat, Skeleton, Vec3};
 
-use super::aliases::{Anatomy, Role};
+use super::aliases::{Anatomy, Role, Side};
 use super::guess::GuessError;
 use super::segments::Table;
 
@@ -32,6 +35,63 @@ pub struct Neutral {
     pub leg_stature: f64,
 }
 
+/// What a motion says of limbs whose zero pose says nothing; left, then right.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Posed {
+    /// Axes about which the elbows bend, unit vectors in the frames of the upper arms; `None` where they hardly do.
+    pub arms: [Option<Vec3>; 2],
+    /// Axes about which the knees bend, in the frames of the thighs.
+    pub legs: [Option<Vec3>; 2],
+    /// World rotations of the feet where they are lowest.
+    pub feet: [Option<Quat>; 2],
+}
+
+/// Least mean sine of a bend that has an axis: 5°.
+const LEAST_BEND: f64 = 0.087;
+
+impl Posed {
+    /// Of a clip. Axes are the mean of upper bone × lower bone, each of unit length; a foot is lowest where its ankle and what
+    /// hangs on it are. Of long clips about a thousand frames are looked at.
+    pub fn of(clip: &Clip, anatomy: &Anatomy) -> Self {
+        let frames = (0..clip.frames()).step_by(clip.frames().div_ceil(1000).max(1));
+        let mut k = Kinematics::new(&clip.skeleton, &clip.skeleton.zero_pose());
+        let limbs = [anatomy.arms, anatomy.legs];
+        let (mut sums, mut count) = ([[Vec3::zeros(); 2]; 2], 0.0);
+        let links = clip.skeleton.links();
+        let toes = anatomy.legs.map(|[.., foot]| {
+            (0..links.len()).filter(|&i| i == foot || links[i].parent == Some(foot)).collect::<Vec<usize>>()
+        });
+        let mut lowest = [(f64::INFINITY, None); 2];
+        for frame in frames {
+            k.update(&clip.skeleton, clip.pose(frame));
+            count += 1.0;
+            for ((lowest, toes), [.., foot]) in lowest.iter_mut().zip(&toes).zip(&anatomy.legs) {
+                let height = toes.iter().map(|&i| k.origin(i).y).sum::<f64>();
+                if height < lowest.0 {
+                    *lowest = (height, Some(k.world[*foot].rotation));
+                }
+            }
+            for (sums, limbs) in sums.iter_mut().zip(&limbs) {
+                for (sum, [a, b, c]) in sums.iter_mut().zip(limbs) {
+                    let bone = |from: usize, to: usize| {
+                        (k.origin(to) - k.origin(from)).try_normalize(1e-9).unwrap_or_default()
+                    };
+                    *sum += k.world[*a].rotation.inverse() * bone(*a, *b).cross(&bone(*b, *c));
+                }
+            }
+        }
+        let axis = |sum: Vec3| Some(sum.normalize()).filter(|_| sum.norm() > LEAST_BEND * count);
+        Self { arms: sums[0].map(axis), legs: sums[1].map(axis), feet: lowest.map(|l| l.1) }
+    }
+
+    fn bend_of(&self, anatomy: &Anatomy, link: usize) -> Option<Vec3> {
+        let of = |limbs: &[[usize; 3]; 2], axes: &[Option<Vec3>; 2]| {
+            (0..2).find(|&side| limbs[side][0] == link).and_then(|side| axes[side])
+        };
+        of(&anatomy.arms, &self.arms).or_else(|| of(&anatomy.legs, &self.legs))
+    }
+}
+
 /// Up in the world.
 pub const UP: Vec3 = Vec3::new(0.0, 1.0, 0.0);
 
@@ -39,6 +99,7 @@ impl Neutral {
     /// Finds the neutral pose.
     ///
     /// * `reference`: a standing pose; the arms may be anywhere, the legs within 50° of vertical
+    /// * `posed`: what the motion says, where the reference is a frame of one rather than the zero pose
     ///
     /// # Errors
     /// `NotStanding` if the reference is not a standing pose, `Size` if legs or trunk have no length
@@ -47,6 +108,7 @@ impl Neutral {
         skeleton: &Skeleton,
         anatomy: &Anatomy,
         reference: &[f64],
+        posed: Option<&Posed>,
         table: &Table,
     ) -> Result<Self, GuessError> {
         let k = Kinematics::new(skeleton, reference);
@@ -68,13 +130,24 @@ impl Neutral {
             if angle_deg <= limit_deg {
                 Ok(())
             } else {
-                Err(GuessError::NotStanding { what, angle_deg, limit_deg })
+                let pose = if posed.is_some() { "straightest frame" } else { "zero pose" };
+                Err(GuessError::NotStanding { pose, what, angle_deg, limit_deg })
             }
         };
         check("trunk", shoulders - hips, UP, 40.0)?;
         check("legs", ankles - hips, -UP, 40.0)?;
         for leg in anatomy.legs {
             check("thigh", k.origin(leg[1]) - k.origin(leg[0]), -UP, 50.0)?;
+            check("shin", k.origin(leg[2]) - k.origin(leg[1]), -UP, 60.0)?;
+        }
+        let mut column = vec![0];
+        column.extend(anatomy.spine.iter().chain(&anatomy.neck));
+        column.push(anatomy.head);
+        for pair in column.windows(2) {
+            let bone = k.origin(pair[1]) - k.origin(pair[0]);
+            if bone.norm() > 0.02 * leg_stature {
+                check("spine", bone, UP, 75.0)?;
+            }
         }
         let across = k.origin(anatomy.legs[0][0]) - k.origin(anatomy.legs[1][0]);
         let flat = Vec3::new(across.x, 0.0, across.z);
@@ -91,12 +164,18 @@ impl Neutral {
             front: left.cross(&UP),
             leg_stature,
         };
-        n.turn_limbs_down(skeleton, anatomy, &k);
+        n.turn_limbs_down(skeleton, anatomy, &k, posed);
         Ok(n)
     }
 
     /// Turns every limb bone down, parents first.
-    fn turn_limbs_down(&mut self, skeleton: &Skeleton, anatomy: &Anatomy, k: &Kinematics) {
+    fn turn_limbs_down(
+        &mut self,
+        skeleton: &Skeleton,
+        anatomy: &Anatomy,
+        k: &Kinematics,
+        posed: Option<&Posed>,
+    ) {
         let mut from_reference: Vec<Quat> = Vec::new();
         for (i, link) in skeleton.links().iter().enumerate() {
             let mut d = link.parent.map_or(Quat::identity(), |p| from_reference[p]);
@@ -104,9 +183,24 @@ impl Neutral {
                 anatomy.roles[i],
                 Role::Thigh(_) | Role::Shin(_) | Role::UpperArm(_) | Role::Forearm(_)
             );
+            if let (Some(posed), Role::Foot(side)) = (posed, anatomy.roles[i]) {
+                let was = k.world[i].rotation;
+                let heading = swing_twist(&d, &UP).1 * was;
+                let flat = posed.feet[usize::from(side == Side::Right)].unwrap_or(was);
+                d = turn_about_up(&(flat * self.bone[i]), &(heading * self.bone[i])) * flat * was.inverse();
+            }
             if hangs && self.bone[i].norm() > 0.0 {
                 let now = d * (k.world[i].rotation * self.bone[i]);
                 d = between(&now, &-UP) * d;
+                if let Some(axis) = posed.and_then(|posed| posed.bend_of(anatomy, i)) {
+                    // elbows bend about the right of a hanging arm, knees about the left
+                    let across = match anatomy.roles[i] {
+                        Role::UpperArm(_) => -self.left,
+                        _ => self.left,
+                    };
+                    let now = d * (k.world[i].rotation * axis);
+                    d = turn_about_up(&now, &across) * d;
+                }
             }
             from_reference.push(d);
             self.rotation.push(d * k.world[i].rotation);
@@ -143,6 +237,13 @@ impl Neutral {
     pub fn middle(&self, a: usize, b: usize) -> Vec3 {
         (self.origin[a] + self.origin[b]) * 0.5
     }
+}
+
+/// The turn about the vertical that gives one vector the heading of another.
+fn turn_about_up(from: &Vec3, to: &Vec3) -> Quat {
+    let flat = |v: &Vec3| Vec3::new(v.x, 0.0, v.z);
+    let (from, to) = (flat(from), flat(to));
+    exp(&(UP * from.cross(&to).dot(&UP).atan2(from.dot(&to))))
 }
 
 /// The bone of each link with a role, in its own frame.

@@ -24,8 +24,8 @@ use nalgebra::Matrix3;
 use thiserror::Error;
 
 use super::aliases::{Anatomy, AnatomyError, Role, Side};
-use super::frame::{Neutral, UP};
-use super::limits::{NeckShare, joint_limits};
+use super::frame::{Neutral, Posed, UP};
+use super::limits::{NeckShare, center_rotation, joint_limits};
 use super::segments::{Segment, Sex, Table};
 use super::shapes::{self, FootBox};
 use crate::character::{Body, Character, CharacterError};
@@ -39,8 +39,11 @@ pub struct BodyOptions {
     pub mass_kg: Option<f64>,
     /// Which column of the segment table.
     pub sex: Sex,
-    /// A standing pose to read left, front and limb directions from; by default the zero pose.
+    /// A standing pose to read left, front and limb directions from; by default the zero pose. With it the zero frames of the
+    /// character are turned to the centres of its joints' ranges: see [`crate::PoseMap`].
     pub reference: Option<Vec<f64>>,
+    /// What the motion that the reference is a frame of says of its limbs.
+    pub posed: Posed,
     /// Angle between the hanging arms and the vertical in the rest pose, rad; by default 8°.
     pub rest_abduction: Option<f64>,
     /// How the joints of the neck and the head share the cervical range.
@@ -55,9 +58,11 @@ pub enum GuessError {
     Anatomy(#[from] AnatomyError),
     /// The reference pose lies or sits.
     #[error(
-        "the {what} of the zero pose leans {angle_deg:.0}° (at most {limit_deg:.0}°): it is not a standing pose, so left, front and the hanging limbs cannot be read from it; give a standing pose of the clip as reference"
+        "the {what} of the {pose} leans {angle_deg:.0}° (at most {limit_deg:.0}°): it is not a standing pose, so left, front and the hanging limbs cannot be read from it; a body is guessed of a clip whose zero pose or one frame stands"
     )]
     NotStanding {
+        /// The pose looked at.
+        pose: &'static str,
         /// What leans.
         what: &'static str,
         /// By how much, degrees.
@@ -84,6 +89,9 @@ pub enum GuessError {
         /// Length needed.
         needed: usize,
     },
+    /// A skeleton that cannot be cut at its pelvis.
+    #[error("the skeleton cannot be cut at its pelvis: {0}")]
+    Fold(String),
     /// A root that cannot move.
     #[error("the root `{0}` must have a free joint")]
     Root(String),
@@ -158,7 +166,11 @@ pub fn guess_body(skeleton: &Skeleton, options: &BodyOptions) -> Result<(Charact
         return Err(GuessError::Reference { found: reference.len(), needed: skeleton.nq() });
     }
     let table = Table::of(options.sex);
-    let neutral = Neutral::new(skeleton, &anatomy, &reference, table)?;
+    let posed = options.reference.is_some();
+    let motion = posed.then_some(&options.posed);
+    let neutral = Neutral::new(skeleton, &anatomy, &reference, motion, table)?;
+    let centred = if posed { Some(centred(skeleton, &anatomy, &neutral, &reference)?) } else { None };
+    let skeleton = centred.as_ref().unwrap_or(skeleton);
     let mut builder = Builder::new(skeleton, &anatomy, &neutral, table, options);
     builder.segments();
     let (skeleton, contacts) = builder.skeleton()?;
@@ -174,6 +186,27 @@ pub fn guess_body(skeleton: &Skeleton, options: &BodyOptions) -> Result<(Charact
     .check()?;
     let report = builder.report(&character, options);
     Ok((character, report))
+}
+
+/// The skeleton with its zero frames turned so that its zero pose says something: balls at the centre of their ranges,
+/// everything else as in the reference.
+fn centred(
+    skeleton: &Skeleton,
+    anatomy: &Anatomy,
+    neutral: &Neutral,
+    reference: &[f64],
+) -> Result<Skeleton, SkeletonError> {
+    let mut links = skeleton.links().to_vec();
+    for (i, link) in links.iter_mut().enumerate().skip(1) {
+        let turn = match link.joint {
+            Joint::Spherical => center_rotation(skeleton, anatomy, neutral, i)
+                .unwrap_or_else(|| skeleton.rotation(reference, i)),
+            Joint::Revolute(_) => skeleton.rotation(reference, i),
+            Joint::Free | Joint::Prismatic(_) | Joint::Fixed => continue,
+        };
+        link.parent_from_zero.rotation *= turn;
+    }
+    Skeleton::new(links)
 }
 
 struct Builder<'a> {
@@ -474,6 +507,10 @@ impl<'a> Builder<'a> {
         notes.push("limits: Boone & Azen 1979, AAOS 1965, Inman 1944, widened for dance".into());
         let pose = if options.reference.is_some() { "given reference pose" } else { "zero pose" };
         notes.push(format!("left, front and limb directions from the {pose}"));
+        let (x, z) = (self.n.front.x, self.n.front.z);
+        notes.push(format!(
+            "front ({x:.2}, 0, {z:.2}) from the hips, soles from what hangs on the ankles; a character file says others"
+        ));
         let suggested = self.n.leg_stature;
         if (self.stature / suggested - 1.0).abs() > 0.12 {
             notes.push(format!("the legs suggest a stature of {suggested:.3} m: unusual proportions"));

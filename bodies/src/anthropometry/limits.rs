@@ -17,6 +17,8 @@
 //! `up`, `front` and the bone change sign. The axes are right-handed: where they would not be, the
 //! second one is turned round with its range. A skeleton whose zero pose is the centre gets the ranges as
 //! they stand; any other gets the smallest box that holds them about its own zero.
+//! A body read from a standing frame of the motion has its zero at the centres ([`center_rotation`]): its file's zero
+//! pose says nothing.
 //!
 //! \[BA79\] D. C. Boone, S. P. Azen. Normal range of motion of joints in male subjects. J. Bone Joint
 //! Surg. 61-A, 756–759, 1979.
@@ -212,6 +214,26 @@ pub fn joint_limits(
     }
 }
 
+/// Rotation of a ball joint at the centre of its ranges; `None` for joints without a published range.
+pub fn center_rotation(
+    skeleton: &Skeleton,
+    anatomy: &Anatomy,
+    neutral: &Neutral,
+    link: usize,
+) -> Option<Quat> {
+    let role = anatomy.roles[link];
+    let center = center_in_world(ball(role)?, role, neutral, link);
+    Some(zero_in_neutral(skeleton, neutral, link).inverse() * center)
+}
+
+fn center_in_world(kind: Ball, role: Role, neutral: &Neutral, link: usize) -> Quat {
+    let lift = match (kind.bone, role.side()) {
+        (Bone::Sideways, Some(side)) => exp(&(neutral.front * (side.sign() * 0.5 * PI))),
+        _ => Quat::identity(),
+    };
+    lift * neutral.rotation[link]
+}
+
 /// World rotation of the joint's zero frame while the parent is in its neutral pose.
 fn zero_in_neutral(skeleton: &Skeleton, neutral: &Neutral, link: usize) -> Quat {
     let l = &skeleton.links()[link];
@@ -245,11 +267,7 @@ fn ball_limits(
     });
 
     // The centre: world rotation of the link, and its bone and axes there.
-    let lift = match (kind.bone, role.side()) {
-        (Bone::Sideways, Some(side)) => exp(&(neutral.front * (side.sign() * 0.5 * PI))),
-        _ => Quat::identity(),
-    };
-    let center = lift * neutral.rotation[link];
+    let center = center_in_world(kind, role, neutral, link);
     let own = center * neutral.bone[link];
     let bone = match kind.bone {
         Bone::Front => neutral.front,

@@ -13,7 +13,7 @@
 //! | [`limits`] | ranges of motion \[BA79, AAOS\] in the coordinates of a skeleton |
 //! | [`shapes`] | capsules and boxes that look like a body |
 //! | [`guess`] | all of them together |
-//! | [`standing`] | a standing pose for rigs whose zero pose is none |
+//! | [`standing`] | a body for a clip: the pelvis below other roots, a standing pose where the zero pose is none |
 //! | [`human`] | the standard figure of the project |
 
 pub mod aliases;
@@ -30,4 +30,4 @@ pub use aliases::{Anatomy, AnatomyError, Role, Side};
 pub use guess::{BodyOptions, BodyReport, GuessError, guess_body};
 pub use limits::NeckShare;
 pub use segments::Sex;
-pub use standing::{guess_body_of_clip, standing_frame};
+pub use standing::{folded_to_pelvis, guess_body_of_clip, standing_frame};
