@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 use clap::{Args, Parser, Subcommand};
-use formats::bvh::{Axis, ImportOptions};
+use formats::bvh::{Axis, ImportOptions, OffsetRule, TPoseRule};
 use motion::names::Word;
 use plots::{View, ViewName};
 use studies::push::PushSettings;
@@ -83,15 +83,39 @@ pub struct ClipArgs {
     /// Vertical axis of the BVH file; guessed if not given
     #[arg(long, value_parser = word::<Axis>())]
     pub up: Option<Axis>,
-    /// Leave out a first frame that is an inserted T-pose
+    /// Frames per second of the BVH file; read from its frame time if not given
+    #[arg(long, value_name = "HZ", value_parser = frame_rate, allow_negative_numbers = true)]
+    pub fps: Option<f64>,
+    /// Leave out the first frame, an inserted T-pose; done unasked only where the jump after it is impossible
     #[arg(long)]
     pub drop_t_pose: bool,
+    /// Keep the first frame, even if the jump after it is impossible
+    #[arg(long, conflicts_with = "drop_t_pose")]
+    pub keep_t_pose: bool,
+    /// Interpolate the frames in which a joint jumps as no muscle could make it
+    #[arg(long)]
+    pub repair: bool,
+    /// What becomes of joint offsets that move; if not given, small movements are held and larger ones kept
+    #[arg(long, value_parser = word::<OffsetRule>())]
+    pub offsets: Option<OffsetRule>,
 }
 
 impl ClipArgs {
     /// The same as the importer takes it.
     pub fn import(&self) -> ImportOptions {
-        ImportOptions { metres_per_unit: self.units, up: self.up, drop_t_pose: self.drop_t_pose }
+        let t_pose = match (self.drop_t_pose, self.keep_t_pose) {
+            (true, _) => Some(TPoseRule::Drop),
+            (_, true) => Some(TPoseRule::Keep),
+            _ => None,
+        };
+        ImportOptions {
+            metres_per_unit: self.units,
+            up: self.up,
+            rate_hz: self.fps,
+            t_pose,
+            repair: self.repair,
+            offsets: self.offsets,
+        }
     }
 
     /// The first of these options that was given.
@@ -99,7 +123,11 @@ impl ClipArgs {
         let given = [
             ("--units", self.units.is_some()),
             ("--up", self.up.is_some()),
+            ("--fps", self.fps.is_some()),
             ("--drop-t-pose", self.drop_t_pose),
+            ("--keep-t-pose", self.keep_t_pose),
+            ("--repair", self.repair),
+            ("--offsets", self.offsets.is_some()),
         ];
         given.into_iter().find(|(_, is)| *is).map(|(name, _)| name)
     }

@@ -6,8 +6,8 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use formats::bvh::{
-    Axis, Bvh, Channel, Chosen, ImportError, ImportOptions, WriteError, WriteOptions, import, read_file,
-    write, write_file,
+    Axis, Bvh, Channel, Chosen, ImportError, ImportOptions, TPoseRule, WriteError, WriteOptions, import,
+    read_file, write, write_file,
 };
 use motion::rotation::{exp, log};
 use motion::{Clip, EulerOrder, Joint, Kinematics, Link, Quat, Skeleton, Transform, Vec3};
@@ -80,7 +80,7 @@ fn slow_a_clip_written_and_read_is_the_same_clip() {
     for path in paths {
         let (clip, _) = read_file(&path, &ImportOptions::default()).unwrap();
         let text = write(&clip, &WriteOptions::default()).unwrap();
-        let options = ImportOptions { metres_per_unit: Some(0.01), up: Some(Axis::Y), drop_t_pose: false };
+        let options = ImportOptions { metres_per_unit: Some(0.01), up: Some(Axis::Y), ..Default::default() };
         let (back, report) = import(&parse(&text).unwrap(), &options).unwrap();
         assert_eq!(back.rate_hz, clip.rate_hz, "{}", report.rate);
         assert_eq!(back.skeleton.links().len(), clip.skeleton.links().len());
@@ -130,7 +130,8 @@ fn world_positions_are_those_of_the_definition() {
     for folder in ["bvh-zoo", "mocap/cgspeed", "mocap/bvh"] {
         for path in files(folder) {
             let bvh = Bvh::parse(&std::fs::read(&path).unwrap()).unwrap();
-            let (clip, report) = import(&bvh, &ImportOptions::default()).unwrap();
+            let options = ImportOptions { t_pose: Some(TPoseRule::Keep), ..Default::default() };
+            let (clip, report) = import(&bvh, &options).unwrap();
             let scale = report.units.metres_per_unit;
             for frame in (0..bvh.frames).step_by(1 + bvh.frames / 20) {
                 let ours = Kinematics::new(&clip.skeleton, clip.pose(frame));
@@ -184,7 +185,7 @@ fn guesses_agree_with_the_known_truth() {
         let (clip, report) = load(&format!("bvh-zoo/{name}.bvh"));
         println!("{name}\n{report}\n");
         assert_eq!(clip.rate_hz, rate_hz, "{name}");
-        assert_eq!(report.t_pose_dropped, None, "{name}");
+        assert_eq!(report.t_pose, None, "{name}");
         match units {
             Some(units) => {
                 assert!((report.units.metres_per_unit / units - 1.0).abs() < 1e-12, "{name}: {report}");
@@ -229,28 +230,39 @@ fn z_up_becomes_y_up() {
     }
 }
 
+/// A T-pose that no motion could leave is dropped unasked; what the caller says holds.
 #[test]
-fn an_inserted_t_pose_is_found_and_dropped_on_request() {
+fn an_inserted_t_pose_is_dropped_unless_it_is_to_stay() {
+    let read = |path: &Path, t_pose| {
+        read_file(path, &ImportOptions { t_pose, ..Default::default() }).unwrap_or_else(|e| panic!("{e}"))
+    };
     for path in files("mocap/cgspeed") {
-        let (kept, report) = read_file(&path, &ImportOptions::default()).unwrap();
-        assert_eq!(report.t_pose_dropped, Some(false), "{}", path.display());
-        let options = ImportOptions { drop_t_pose: true, ..Default::default() };
-        let (dropped, report) = read_file(&path, &options).unwrap();
-        assert_eq!(report.t_pose_dropped, Some(true), "{}", path.display());
+        let (usual, report) = read(&path, None);
+        let found = report.t_pose.unwrap();
+        println!("{}: {found:?}", path.display());
+        assert!(found.found && found.dropped == (found.jump > 20.0), "{}", path.display());
+        let (kept, report) = read(&path, Some(TPoseRule::Keep));
+        assert!(!report.t_pose.unwrap().dropped);
+        let (dropped, report) = read(&path, Some(TPoseRule::Drop));
+        assert!(report.t_pose.unwrap().dropped, "{}", path.display());
         assert_eq!(dropped.frames() + 1, kept.frames());
+        assert_eq!(usual, if found.dropped { dropped.clone() } else { kept.clone() });
         let (a, b) = (dropped.pose(0), kept.pose(1)); // equal but for the signs of quaternions
         assert!(a.iter().zip(b).all(|(a, b)| a.abs() == b.abs()), "{}", path.display());
         assert!(report.to_string().contains("first frame: an inserted T-pose, dropped"));
     }
     for path in files("mocap/bvh") {
-        let (_, report) = read_file(&path, &ImportOptions::default()).unwrap();
-        assert_eq!(report.t_pose_dropped, None, "{}", path.display());
+        let (clip, report) = read(&path, None);
+        assert_eq!(report.t_pose, None, "{}", path.display());
+        let (dropped, report) = read(&path, Some(TPoseRule::Drop));
+        assert_eq!(dropped.frames() + 1, clip.frames());
+        assert!(report.to_string().contains("first frame: no inserted T-pose, dropped as stated"));
     }
 }
 
 #[test]
 fn a_statement_overrules_a_guess_and_is_reported() {
-    let options = ImportOptions { metres_per_unit: Some(0.1), up: Some(Axis::Z), drop_t_pose: false };
+    let options = ImportOptions { metres_per_unit: Some(0.1), up: Some(Axis::Z), ..Default::default() };
     let (_, report) = read_file(&shared("mocap/bvh/02_01.bvh"), &options).unwrap();
     let text = report.to_string();
     assert_eq!(
@@ -356,7 +368,7 @@ fn channels_decide_the_joint() {
         MOTION Frames: 2 Frame Time: 0.0125
         0  10 5  20 30  4 5 6 0 0 0
         90 20 6  20 30  4 5 6 0 0 0";
-    let options = ImportOptions { metres_per_unit: Some(1.0), up: Some(Axis::Y), drop_t_pose: false };
+    let options = ImportOptions { metres_per_unit: Some(1.0), up: Some(Axis::Y), ..Default::default() };
     let (clip, report) = import(&parse(text).unwrap(), &options).unwrap();
     let kinds: Vec<Joint> = clip.skeleton.links().iter().map(|l| l.joint).collect();
     use Joint::*;
@@ -421,7 +433,7 @@ fn turned_zero_frames_keep_the_world() {
     let clip = odd_clip();
     let text =
         write(&clip, &WriteOptions { decimals: 12, metres_per_unit: 1.0, ..Default::default() }).unwrap();
-    let options = ImportOptions { metres_per_unit: Some(1.0), up: Some(Axis::Y), drop_t_pose: false };
+    let options = ImportOptions { metres_per_unit: Some(1.0), up: Some(Axis::Y), ..Default::default() };
     let (back, _) = import(&parse(&text).unwrap(), &options).unwrap();
     assert_eq!(back.rate_hz, 59.5);
     // The constant that BVH cannot hold: the link's world rotation in the zero pose.
@@ -596,7 +608,7 @@ proptest! {
                 prop_assert_eq!(bvh.motion.len(), bvh.frames * bvh.channels);
                 prop_assert!(bvh.motion.iter().all(|v| v.is_finite()));
                 for up in [None, Some(Axis::Z)] {
-                    let options = ImportOptions { up, drop_t_pose: true, metres_per_unit: None };
+                    let options = ImportOptions { up, t_pose: Some(TPoseRule::Drop), ..Default::default() };
                     if let Ok((clip, report)) = import(&bvh, &options) {
                         prop_assert!(clip.data().iter().all(|v| v.is_finite()));
                         prop_assert!(!report.to_string().is_empty());

@@ -20,6 +20,7 @@
 //! | [`shape`] | capsules, boxes, balls |
 //! | [`file`] | reading a file within a limit |
 //! | [`fk`] | forward kinematics |
+//! | [`mod@glitch`] | joints that jump as no muscle could make them |
 //! | [`ik`] | two-bone limbs to a target, whole bodies to many; axes of joints |
 //! | [`limits`] | the way of a joint back into its range |
 //! | [`linear`] | small dense systems of equations |
@@ -40,6 +41,7 @@ pub mod dof;
 pub mod file;
 pub mod fk;
 pub mod floor;
+pub mod glitch;
 pub mod ik;
 pub mod limits;
 pub mod linear;

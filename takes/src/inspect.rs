@@ -494,7 +494,7 @@ fn of_clip(
         units: chosen(report.units.chosen),
         up: report.up.axis.identifier(),
         up_axis: chosen(report.up.chosen),
-        t_pose_dropped: report.t_pose_dropped,
+        t_pose_dropped: report.t_pose.map(|t| t.dropped),
         import: lines(report.to_string()),
         body: character.map_or_else(|| skeleton("skeleton", &clip.skeleton, clip.pose(0)), body),
         guess: guess.map_or_else(Vec::new, |g| lines(g.to_string())),

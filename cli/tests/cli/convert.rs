@@ -42,3 +42,48 @@ fn a_closed_folder() {
     assert_eq!(done.code, 1);
     assert!(done.stderr.contains("cannot write missing/folder/x.bvh"), "{}", done.stderr);
 }
+
+/// Every guess of a clip gives way to an option: rate, T-pose, offsets, glitches, units, up.
+#[test]
+fn options_overrule_what_is_guessed() {
+    let place = Place::new();
+    let lying = support::shared("cases/clips/lying.bvh");
+    let lying = lying.to_str().unwrap();
+    let convert = |options: &[&str]| {
+        let mut words = vec!["convert", lying, "out.bvh", "--force"];
+        words.extend(options);
+        let done = place.run(&words);
+        assert_eq!(done.code, 0, "{}", done.stderr);
+        (done.stdout, std::fs::read_to_string(place.at("out.bvh")).unwrap())
+    };
+    let (said, text) = convert(&["--fps", "50", "--units", "0.02", "--up", "z"]);
+    assert!(text.contains("Frame Time: 0.02\n"), "{text:.2000}");
+    for word in ["rate: 50 Hz (stated", "units: 0.02 m (stated", "up: Z (stated)"] {
+        assert!(said.contains(word), "`{word}` is not in\n{said}");
+    }
+    let (said, text) = convert(&["--drop-t-pose", "--repair", "--offsets", "Hold"]);
+    assert!(text.contains("Frames: 59\n") && said.contains("dropped as stated"), "{said}");
+    let (said, _) = convert(&[]);
+    assert!(said.contains("up: Y (unsure"), "{said}");
+    let refused = place.run(&["convert", lying, "x.bvh", "--offsets", "hald"]);
+    assert_eq!(refused.code, 2);
+    assert!(refused.stderr.contains("hold"), "{}", refused.stderr);
+    let refused = place.run(&["convert", lying, "x.bvh", "--drop-t-pose", "--keep-t-pose"]);
+    assert_eq!(refused.code, 2);
+}
+
+/// What another rate wrote is that rate when it is read again, also below ten frames a second.
+#[test]
+fn low_rates_come_back() {
+    let place = Place::new();
+    let lying = support::shared("cases/clips/lying.bvh");
+    for hz in ["5", "1", "0.5"] {
+        let done = place.run(&["convert", lying.to_str().unwrap(), "slow.bvh", "--rate", hz, "--force"]);
+        if hz == "0.5" {
+            assert_eq!(done.code, 2); // below what is written
+            continue;
+        }
+        let back = place.run(&["inspect", "slow.bvh"]);
+        assert!(back.stdout.contains(&format!("rate: {hz} Hz")), "{}", back.stdout);
+    }
+}

@@ -3,8 +3,8 @@
 //! | channels of a joint | becomes |
 //! |---|---|
 //! | any, the root | `Free`; its OFFSET stays only where no position channel replaces it |
-//! | positions that move | `Free`; zero at OFFSET. A single one and no rotation: `Prismatic` |
-//! | positions that do not move | as without them, with the constant position for OFFSET |
+//! | positions that slide | `Free`; zero at OFFSET. A single one and no rotation: `Prismatic` |
+//! | positions that do not move, or are held | as without them, with their mean for OFFSET: see `offsets` |
 //! | two or three rotations | `Spherical` |
 //! | one rotation | `Revolute` |
 //! | none | `Fixed` |
@@ -14,7 +14,9 @@
 //! stands along Y and only its root turns it to Z, the root alone is turned back. Either way world
 //! positions are the same.
 //!
-//! Quaternions of neighbouring frames lie in one hemisphere, so their components are continuous.
+//! Quaternions of neighbouring frames lie in one hemisphere, so their components are continuous. So is the angle of
+//! a single rotation channel: where its values stay within one turn, steps of more than half a turn (160° to −180°)
+//! are the shorter way round.
 
 use std::collections::HashMap;
 use std::fmt;
@@ -23,14 +25,17 @@ use std::sync::Arc;
 use nalgebra::Quaternion;
 use thiserror::Error;
 
-use super::guess::{self, Axis, FrameRate, Units, UpAxis};
+use super::glitches::{self, Glitches};
+use super::guess::{self, Units};
+use super::offsets::{OffsetRule, Offsets, Positions, offsets};
+use super::pose::{of_joint, origin, rotation};
+use super::rate::{FrameRate, rate};
+use super::t_pose::{TPose, TPoseRule, first_frame};
+use super::up::{Axis, UpAxis, up};
 use super::{Bvh, Channel};
 use motion::rotation::{Quat, Vec3};
 use motion::skeleton::FARTHEST;
 use motion::{Clip, Joint, Link, Skeleton, SkeletonError};
-
-/// Positions that vary less than this (m) do not move.
-const STILL_M: f64 = 1e-6;
 
 /// What is known about a file.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -39,8 +44,14 @@ pub struct ImportOptions {
     pub metres_per_unit: Option<f64>,
     /// Vertical axis; `None` guesses.
     pub up: Option<Axis>,
-    /// Whether a first frame that is an inserted T-pose is left out.
-    pub drop_t_pose: bool,
+    /// Frames per second, Hz; `None` reads the frame time.
+    pub rate_hz: Option<f64>,
+    /// What is done with the first frame; `None` looks whether it is an inserted T-pose.
+    pub t_pose: Option<TPoseRule>,
+    /// Whether frames in which a joint jumps are interpolated.
+    pub repair: bool,
+    /// What is done with joint offsets that move; `None` holds what moves little.
+    pub offsets: Option<OffsetRule>,
 }
 
 /// How a file was taken. `Display` prints it, one line for each answer.
@@ -52,8 +63,12 @@ pub struct ImportReport {
     pub up: UpAxis,
     /// Frame rate.
     pub rate: FrameRate,
-    /// Whether the first frame is an inserted T-pose: `Some(true)` if it was dropped, `Some(false)` if kept.
-    pub t_pose_dropped: Option<bool>,
+    /// The first frame, where it is an inserted T-pose or was dropped.
+    pub t_pose: Option<TPose>,
+    /// Joints whose offsets move.
+    pub offsets: Offsets,
+    /// Joints that jump.
+    pub glitches: Glitches,
     /// Anything else worth knowing, a line each.
     pub notes: Vec<String>,
 }
@@ -61,10 +76,12 @@ pub struct ImportReport {
 impl fmt::Display for ImportReport {
     fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
         write!(f, "{}\n{}\n{}", self.units, self.up, self.rate)?;
-        match self.t_pose_dropped {
-            Some(true) => write!(f, "\nfirst frame: an inserted T-pose, dropped")?,
-            Some(false) => write!(f, "\nfirst frame: an inserted T-pose, kept")?,
-            None => {}
+        if let Some(t_pose) = &self.t_pose {
+            write!(f, "\n{t_pose}")?;
+        }
+        let [offsets, glitches] = [self.offsets.to_string(), self.glitches.to_string()];
+        for note in offsets.lines().chain(glitches.lines()) {
+            write!(f, "\n{note}")?;
         }
         for note in &self.notes {
             write!(f, "\n{note}")?;
@@ -82,6 +99,9 @@ pub enum ImportError {
     /// A stated unit that is no length.
     #[error("{0} metres per unit; expected a positive number")]
     Units(f64),
+    /// A stated rate that is none.
+    #[error("{0} frames per second; expected a positive number")]
+    Rate(f64),
     /// A number too large for metres.
     #[error("frame {frame} of `{joint}` is beyond {FARTHEST:e} m")]
     Overflow {
@@ -106,26 +126,36 @@ pub fn import(bvh: &Bvh, options: &ImportOptions) -> Result<(Clip, ImportReport)
     if let Some(unit) = options.metres_per_unit.filter(|u| !(u.is_finite() && *u > 0.0)) {
         return Err(ImportError::Units(unit));
     }
+    if let Some(hz) = options.rate_hz.filter(|hz| !(hz.is_finite() && *hz > 0.0)) {
+        return Err(ImportError::Rate(hz));
+    }
     let units = guess::units(bvh, options.metres_per_unit);
-    let (up, rest_stands) = guess::up(bvh, options.up);
-    let t_pose = guess::t_pose(bvh);
-    let first = usize::from(t_pose && options.drop_t_pose);
+    let (metres, height_m) = (units.metres_per_unit, units.height_m());
+    let (up, rest_stands) = up(bvh, height_m / metres, options.up);
+    let t_pose = first_frame(bvh, options.t_pose);
+    let first = usize::from(t_pose.is_some_and(|t| t.dropped));
+    let (positions, offsets) = offsets(bvh, first, metres, height_m, options.offsets);
     let mut report = ImportReport {
         units,
         up,
-        rate: guess::rate(bvh),
-        t_pose_dropped: t_pose.then_some(options.drop_t_pose),
+        rate: rate(bvh, options.rate_hz),
+        t_pose,
+        offsets,
+        glitches: Glitches::default(),
         notes: Vec::new(),
     };
     let frame = Frame {
-        metres: report.units.metres_per_unit,
+        metres,
         turn_all: report.up.axis == Axis::Z && rest_stands,
         turn_root: report.up.axis == Axis::Z && !rest_stands,
     };
-    let links = links(bvh, &frame, first, &mut report.notes);
+    let links = links(bvh, &frame, &positions, &mut report.notes);
     let skeleton = Arc::new(Skeleton::new(links)?);
-    let q = poses(bvh, &skeleton, &frame, first)?;
-    Ok((Clip::new(skeleton, report.rate.rate_hz, q), report))
+    let mut q = poses(bvh, &skeleton, &frame, first)?;
+    unwrap_hinges(&skeleton, &mut q, &mut report.notes);
+    let (clip, glitches) = glitches::find(Clip::new(skeleton, report.rate.rate_hz, q), options.repair);
+    report.glitches = glitches;
+    Ok((clip, report))
 }
 
 /// File axes and units to ours.
@@ -171,44 +201,36 @@ fn z_to_y(v: Vec3) -> Vec3 {
     Vec3::new(v.x, v.z, -v.y)
 }
 
-fn links(bvh: &Bvh, frame: &Frame, first: usize, notes: &mut Vec<String>) -> Vec<Link> {
+fn links(bvh: &Bvh, frame: &Frame, positions: &[Positions], notes: &mut Vec<String>) -> Vec<Link> {
     let mut names = Names::default();
-    let (mut still, mut renamed) = (Vec::new(), Vec::new());
+    let mut renamed = Vec::new();
     let mut links = Vec::with_capacity(bvh.joints.len());
-    for (j, joint) in bvh.joints.iter().enumerate() {
-        let mut positions = Vec::new();
-        let mut rotations = Vec::new();
-        for (k, channel) in joint.channels.iter().enumerate() {
-            match *channel {
-                Channel::Position(axis) => positions.push((axis, joint.channels_at + k)),
-                Channel::Rotation(axis) => rotations.push(axis),
-            }
-        }
-        let moves = positions.iter().any(|&(_, at)| {
-            let values = (first..bvh.frames).map(|f| bvh.frame(f)[at]);
-            let (lo, hi) =
-                values.fold((f64::INFINITY, f64::NEG_INFINITY), |(lo, hi), v| (lo.min(v), hi.max(v)));
-            (hi - lo) * frame.metres > STILL_M
-        });
+    for (joint, positions) in bvh.joints.iter().zip(positions) {
+        let of = |channel: &Channel| match *channel {
+            Channel::Rotation(axis) => Some(axis),
+            Channel::Position(_) => None,
+        };
+        let rotations: Vec<usize> = joint.channels.iter().filter_map(of).collect();
         let unit = |axis: usize| frame.direction(Vec3::ith(axis, 1.0));
         let mut offset = Vec3::from(joint.offset);
-        let kind = if joint.parent.is_none() {
-            offset = Vec3::zeros();
-            Joint::Free
-        } else if moves {
-            match (positions.as_slice(), rotations.len()) {
-                (&[(axis, _)], 0) => Joint::Prismatic(unit(axis)),
+        let kind = match (joint.parent, positions) {
+            (None, _) => {
+                offset = Vec3::zeros();
+                Joint::Free
+            }
+            (_, Positions::Slide) => match joint.channels[..] {
+                [Channel::Position(axis)] => Joint::Prismatic(unit(axis)),
                 _ => Joint::Free,
-            }
-        } else {
-            if !positions.is_empty() {
-                offset = guess::origin(joint, guess::of_joint(joint, bvh.frame(first)));
-                still.push(joint.name.as_str());
-            }
-            match *rotations.as_slice() {
-                [] => Joint::Fixed,
-                [axis] => Joint::Revolute(unit(axis)),
-                _ => Joint::Spherical,
+            },
+            (_, Positions::Offset(_) | Positions::None) => {
+                if let Positions::Offset(mean) = positions {
+                    offset = *mean;
+                }
+                match *rotations.as_slice() {
+                    [] => Joint::Fixed,
+                    [axis] => Joint::Revolute(unit(axis)),
+                    _ => Joint::Spherical,
+                }
             }
         };
         let name = names.unique(&joint.name);
@@ -219,20 +241,8 @@ fn links(bvh: &Bvh, frame: &Frame, first: usize, notes: &mut Vec<String>) -> Vec
         link.end = joint.ends.first().map(|&end| frame.vector(end.into()));
         links.push(link);
         if joint.ends.len() > 1 {
-            notes.push(format!(
-                "`{}` has {} end sites, the first is kept",
-                bvh.joints[j].name,
-                joint.ends.len()
-            ));
+            notes.push(format!("`{}` has {} end sites, the first is kept", joint.name, joint.ends.len()));
         }
-    }
-    if !still.is_empty() {
-        let shown = still.iter().take(3).copied().collect::<Vec<_>>().join(", ");
-        let more = if still.len() > 3 { ", …" } else { "" };
-        notes.push(format!(
-            "positions that do not move are taken as offsets: {} joints ({shown}{more})",
-            still.len()
-        ));
     }
     if !renamed.is_empty() {
         notes.push(format!("names used twice: {}", renamed.join(", ")));
@@ -264,12 +274,12 @@ fn poses(bvh: &Bvh, skeleton: &Skeleton, frame: &Frame, first: usize) -> Result<
     let mut before: Vec<Quat> = vec![Quat::identity(); bvh.joints.len()];
     for (i, pose) in q.chunks_exact_mut(nq).enumerate() {
         for (j, joint) in bvh.joints.iter().enumerate() {
-            let values = guess::of_joint(joint, bvh.frame(first + i));
+            let values = of_joint(joint, bvh.frame(first + i));
             let kind = skeleton.links()[j].joint;
             let at = skeleton.q_at(j);
             let root = joint.parent.is_none();
             if matches!(kind, Joint::Free | Joint::Spherical) {
-                let mut r = guess::rotation(joint, values);
+                let mut r = rotation(joint, values);
                 r.renormalize();
                 r = if root { frame.root_rotation(r) } else { frame.rotation(r) };
                 if r.coords.dot(&before[j].coords) < 0.0 {
@@ -280,10 +290,10 @@ fn poses(bvh: &Bvh, skeleton: &Skeleton, frame: &Frame, first: usize) -> Result<
             }
             match kind {
                 Joint::Free if root => {
-                    skeleton.set_position(pose, j, &frame.root_position(guess::origin(joint, values)));
+                    skeleton.set_position(pose, j, &frame.root_position(origin(joint, values)));
                 }
                 Joint::Free => {
-                    let moved = guess::origin(joint, values) - Vec3::from(joint.offset);
+                    let moved = origin(joint, values) - Vec3::from(joint.offset);
                     skeleton.set_position(pose, j, &frame.vector(moved));
                 }
                 // The one position or rotation channel there is; its axis carries the turn to Y up.
@@ -304,4 +314,36 @@ fn poses(bvh: &Bvh, skeleton: &Skeleton, frame: &Frame, first: usize) -> Result<
         }
     }
     Ok(q)
+}
+
+/// Makes the angles of hinges continuous; see the module header.
+fn unwrap_hinges(skeleton: &Skeleton, q: &mut [f64], notes: &mut Vec<String>) {
+    use std::f64::consts::TAU;
+    let nq = skeleton.nq();
+    for (link, l) in skeleton.links().iter().enumerate() {
+        if !matches!(l.joint, Joint::Revolute(_)) {
+            continue;
+        }
+        let at = skeleton.q_at(link);
+        let angles = || q.chunks_exact(nq).map(|pose| pose[at]);
+        let (lo, hi) =
+            angles().fold((f64::INFINITY, f64::NEG_INFINITY), |(lo, hi), x| (lo.min(x), hi.max(x)));
+        // values that go beyond a turn are continuous already: they may well step by more than half a one
+        if hi - lo > TAU * (1.0 + 1e-9) {
+            continue;
+        }
+        let (mut before, mut turns, mut wraps) = (q[at], 0.0, 0);
+        for pose in q.chunks_exact_mut(nq) {
+            let step = (pose[at] - before) / TAU;
+            // half a turn has no shorter way round
+            let step = if step.abs() <= 0.5 + 1e-9 { 0.0 } else { step.round() };
+            wraps += usize::from(step != 0.0);
+            turns -= step;
+            before = pose[at];
+            pose[at] += TAU * turns;
+        }
+        if wraps > 0 {
+            notes.push(format!("`{}` goes round: its angle is made continuous at {wraps} steps", l.name));
+        }
+    }
 }

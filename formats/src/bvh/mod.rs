@@ -8,7 +8,13 @@
 //! |---|---|
 //! | `number` | correctly rounded decimals |
 //! | `parse` | bytes to [`Bvh`], errors with line and column |
-//! | `guess` | units, up axis, frame rate, inserted T-pose |
+//! | `pose` | where the joints of a frame are |
+//! | `guess` | the unit of length |
+//! | `up` | the vertical axis |
+//! | `rate` | the frame rate |
+//! | `t_pose` | an inserted T-pose |
+//! | `glitches` | joints that jump |
+//! | `offsets` | joint offsets that move: held, or slides |
 //! | `import` | [`Bvh`] to [`Clip`] |
 //! | `write` | [`Clip`] to text |
 //!
@@ -27,15 +33,26 @@ use super::FileError;
 use super::limits::{self, CLIP_BYTES};
 use motion::Clip;
 
+mod glitches;
 mod guess;
 mod import;
 mod number;
+mod offsets;
 mod parse;
+mod pose;
+mod rate;
+mod t_pose;
+mod up;
 mod write;
 
-pub use guess::{Axis, Candidate, Chosen, FrameRate, Units, UpAxis};
+pub use glitches::{Glitches, NamedGlitch};
+pub use guess::{Candidate, Chosen, Units};
 pub use import::{ImportError, ImportOptions, ImportReport, import};
+pub use offsets::{Moved, OffsetRule, Offsets};
 pub use parse::{BvhError, BvhFault};
+pub use rate::FrameRate;
+pub use t_pose::{TPose, TPoseRule};
+pub use up::{Axis, Heights, UpAxis};
 pub use write::{WriteError, WriteOptions, write};
 
 /// One number of a frame: a coordinate or an angle about one axis (0 x, 1 y, 2 z).

@@ -68,6 +68,10 @@ pub struct ClipReport {
     pub t_pose_dropped: Option<bool>,
     /// Whether the body was guessed.
     pub body_guessed: bool,
+    /// What was read, guessed and repaired, in words.
+    pub read: Vec<String>,
+    /// What was guessed of the body that a person may want to overrule, in words.
+    pub body_notes: Vec<String>,
 }
 
 impl ClipReport {
@@ -79,8 +83,10 @@ impl ClipReport {
             units: chosen(import.units.chosen),
             up: import.up.axis.identifier(),
             up_axis: chosen(import.up.chosen),
-            t_pose_dropped: import.t_pose_dropped,
+            t_pose_dropped: import.t_pose.map(|t| t.dropped),
             body_guessed: source.body.is_some(),
+            read: import.to_string().lines().map(|l| l.trim().to_owned()).collect(),
+            body_notes: source.body.as_ref().map_or_else(Vec::new, |b| b.notes.clone()),
         })
     }
 }
