@@ -49,6 +49,7 @@ fn write(out: &mut String, input: &AnalysisInput, r: &AnalysisReport, dir: &Path
         }
     }
     smoothing(out, r)?;
+    ends(out, r)?;
     residual(out, r)?;
     let q = &r.required;
     line(
@@ -96,6 +97,7 @@ fn verdict(r: &AnalysisReport) -> String {
         faults.push(format!("centre of pressure up to {worst:.0} mm outside the soles in {share:.0} %"));
     }
     let verdict = match (r.is_good(), r.plausible.as_str()) {
+        _ if r.ends.too_short => "TOO SHORT to say whether it is plausible",
         (true, _) => "physically plausible",
         (_, "acceptable") => "nearly plausible",
         _ => "NOT PHYSICALLY PLAUSIBLE as it is",
@@ -117,6 +119,23 @@ fn noise(peak: f64, deviation: f64) -> &'static str {
 /// A share as percent that does not round to nothing.
 fn at_least_one(share: f64) -> f64 {
     (100.0 * share).max(1.0)
+}
+
+fn ends(out: &mut String, r: &AnalysisReport) -> std::fmt::Result {
+    let e = &r.ends;
+    if e.too_short {
+        let text = "TOO SHORT to be graded: its ends, 0.05 s each, leave less than 0.1 s; the numbers below are of all frames";
+        return line(out, "ends", text);
+    }
+    if e.left_out_s == 0.0 {
+        return Ok(());
+    }
+    let mut text = format!("the first and last {:.2} s are not graded", e.left_out_s);
+    if let (Some(first), Some(inside)) = (e.first_frame_error_n, e.inside_error_n) {
+        text +=
+            &format!(": cut there, forces are off by {first:.0} N RMS, {inside:.0} N where grading begins");
+    }
+    line(out, "ends", text)
 }
 
 fn smoothing(out: &mut String, r: &AnalysisReport) -> std::fmt::Result {

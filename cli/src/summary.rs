@@ -223,6 +223,12 @@ fn performed(out: &mut String, d: &DynamicReport) -> std::fmt::Result {
         ),
     };
     line(out, "root", held)?;
+    if let Some(hz) = r.smoothed_at_hz {
+        let text = format!(
+            "of the motion smoothed at {hz:.1} Hz, without its ends: a pin follows the noise of a capture too"
+        );
+        line(out, "", text)?;
+    }
     if !free {
         let text = format!(
             "moment {:.1} N·m RMS, {:.1} N·m peak, {:.1} N·m·s in all",

@@ -29,6 +29,7 @@ use scenes::library::{self, Kind};
 
 use crate::open::open as open_take;
 use crate::results::figures::strip_view;
+use crate::slides::Slides;
 use crate::take::{ClipSource, Source};
 use crate::{Ask, TakeError, is_ron};
 
@@ -52,6 +53,9 @@ pub enum AnalysisInputError {
         /// Why.
         source: TraceFileError,
     },
+    /// Joints that no muscle moves.
+    #[error(transparent)]
+    Slides(#[from] Slides),
     /// A motion that cannot be analysed.
     #[error("{path}: {source}")]
     Analysis {
@@ -192,6 +196,7 @@ fn of_take(
 ) -> Result<AnalysisInput, AnalysisInputError> {
     let ask = Ask { body: body.map(Path::to_owned), import: *import, ..Ask::default() };
     let take = open_take(path, &ask)?;
+    take.check_performable()?;
     let physics = take.conditions.physics;
     let path = path.to_owned();
     let (name, character, gravity) = (take.name, take.body.character, physics.gravity);

@@ -26,7 +26,7 @@ pub enum TakeError {
     Model(#[from] formats::model::ImportError),
     /// No body for a clip.
     #[error(
-        "{path}: {source}\n  help: give a body with --body FILE.ron; `contrapposto inspect CLIP --write-body FILE.ron` writes one of any skeleton it understands"
+        "{path}: {source}\n  help: `contrapposto convert` works without a body; a body for a skeleton that is not guessed is a character file of its links, given with --body FILE.ron (docs/SCENES.md)"
     )]
     Body {
         /// The clip.

@@ -43,6 +43,7 @@ pub mod progress;
 pub mod results;
 pub mod retargeting;
 pub mod script;
+pub mod slides;
 pub mod standing;
 pub mod starter;
 pub mod take;

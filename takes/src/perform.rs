@@ -10,6 +10,7 @@ use motion::stance::StanceSpan;
 use rayon::prelude::*;
 use sim::{EngineEntry, Engines, Outcome, PassError, UnknownEngine};
 
+use crate::slides::Slides;
 use crate::{Progress, Take};
 
 /// A standing span of a clip, performed.
@@ -49,6 +50,9 @@ pub enum PerformError {
     /// Legs that two-bone IK cannot solve.
     #[error(transparent)]
     Legs(#[from] IkError),
+    /// Joints that no muscle moves.
+    #[error(transparent)]
+    Slides(#[from] Slides),
     /// The pass.
     #[error(transparent)]
     Pass(#[from] PassError),
@@ -57,7 +61,7 @@ pub enum PerformError {
 impl PerformError {
     /// Whether the fault lies in the input rather than in the run.
     pub fn is_input(&self) -> bool {
-        matches!(self, Self::Engine(_))
+        matches!(self, Self::Engine(_) | Self::Slides(_))
     }
 }
 
@@ -116,12 +120,21 @@ impl Take {
         engines.get(&self.conditions.engine)
     }
 
+    /// Whether muscles can make the motion at all.
+    ///
+    /// # Errors
+    /// [`Slides`]: joints that no muscle moves.
+    pub fn check_performable(&self) -> Result<(), Slides> {
+        Slides::of(self).map_or(Ok(()), Err)
+    }
+
     /// What comes of the take performed from beginning to end.
     ///
     /// # Errors
     /// As [`Take::perform`].
     pub fn outcome(&self, engines: &Engines, progress: &mut dyn FnMut(f64)) -> Result<Outcome, PerformError> {
         let engine = self.engine(engines)?;
+        self.check_performable()?;
         let mut outcome = self.pass().run(engine, progress)?;
         outcome.trace.colors.clone_from(&self.body.colors);
         Ok(outcome)

@@ -10,6 +10,8 @@
 //! | largest moment, N·m | 50 | 75 |
 //! | RMS moment, N·m | 30 | 50 |
 
+use std::ops::Range;
+
 use motion::Vec3;
 use motion::skeleton::vec_at;
 
@@ -77,8 +79,13 @@ pub struct Residual {
 impl Residual {
     /// Of a table `frames × 6`: force, moment.
     pub fn of(wrench: &[f64]) -> Self {
-        let (force_peak, force_rms, force_frame) = size(wrench, 0);
-        let (moment_peak, moment_rms, moment_frame) = size(wrench, 3);
+        Self::over(wrench, 0..wrench.len() / 6)
+    }
+
+    /// Of some frames of such a table.
+    pub fn over(wrench: &[f64], frames: Range<usize>) -> Self {
+        let (force_peak, force_rms, force_frame) = size(wrench, &frames, 0);
+        let (moment_peak, moment_rms, moment_frame) = size(wrench, &frames, 3);
         Self { force_peak, force_rms, force_frame, moment_peak, moment_rms, moment_frame }
     }
 
@@ -100,17 +107,17 @@ impl Residual {
     }
 }
 
-/// Peak, RMS and the frame of the peak of the 3-vectors at column `at` of a table of six columns.
-fn size(wrench: &[f64], at: usize) -> (f64, f64, usize) {
-    let (mut peak, mut sum, mut frame) = (0.0, 0.0, 0);
-    for (k, row) in wrench.chunks_exact(6).enumerate() {
+/// Peak, RMS and the frame of the peak of the 3-vectors at column `at` of a table of six columns, over some frames.
+fn size(wrench: &[f64], frames: &Range<usize>, at: usize) -> (f64, f64, usize) {
+    let (mut peak, mut sum, mut frame) = (0.0, 0.0, frames.start);
+    for (k, row) in wrench.chunks_exact(6).enumerate().take(frames.end).skip(frames.start) {
         let x: Vec3 = vec_at(row, at);
         sum += x.norm_squared();
         if x.norm() > peak {
             (peak, frame) = (x.norm(), k);
         }
     }
-    (peak, (sum / (wrench.len() / 6).max(1) as f64).sqrt(), frame)
+    (peak, (sum / frames.len().max(1) as f64).sqrt(), frame)
 }
 
 #[cfg(test)]
@@ -136,5 +143,8 @@ mod tests {
         assert_eq!((r.moment_peak, r.moment_frame), (2.0, 1));
         assert!((r.force_rms - 13f64.sqrt()).abs() < 1e-15);
         assert!((r.moment_rms - 2.5f64.sqrt()).abs() < 1e-15);
+        // frames that are left out count neither for peaks nor for means
+        let r = Residual::over(&[3.0, 4.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0, 2.0, 0.0, 0.0], 1..2);
+        assert_eq!((r.force_peak, r.force_frame, r.force_rms), (1.0, 1, 1.0));
     }
 }

@@ -17,6 +17,7 @@
 //!
 //! Units: m, rad, s, N, N·m. Flat tables are `frames × columns`.
 
+mod ends;
 pub mod grade;
 pub mod ground;
 pub mod noise;
@@ -25,6 +26,7 @@ mod trace;
 use motion::floor::FRICTION;
 use motion::rotation::{Vec3, log};
 use motion::skeleton::vec_at;
+use motion::smooth::strength::LEAST_FRAMES;
 use motion::smooth::{SmoothReport, Smoothed, Smoothing, Strength, smooth_at};
 use motion::{Clip, Joint};
 use thiserror::Error;
@@ -33,6 +35,7 @@ use crate::conditions::GRAVITY;
 use crate::{Model, State, Wrench};
 use bodies::{Character, PoseMap, PoseMapError};
 
+pub use ends::{END_S, Ends};
 pub use grade::{Grade, Residual};
 pub use ground::{Contact, FloorChoice, Violations, pressures};
 pub use noise::NoiseFloor;
@@ -50,6 +53,10 @@ pub const SOFT_TISSUE: f64 = 1.414e-4;
 /// Lowest cut-off that [`Smoothing::Auto`] takes for forces, Hz: the arms of a man who stands still move
 /// faster than his centre of mass.
 pub const LEAST_CUTOFF_HZ: f64 = 4.0;
+
+/// Cut-off of clips too short for their noise to be read, Hz: usual for gait (Winter, Biomechanics and motor control of human
+/// movement, 4th ed., 2009, section 3.4).
+pub const SHORT_CUTOFF_HZ: f64 = 6.0;
 
 /// Settings of [`analyze`].
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -198,16 +205,18 @@ pub struct Analysis {
     pub cop: Vec<f64>,
     /// The feet, in the order of the character's legs.
     pub feet: Vec<FootForces>,
+    /// Which frames are graded, and how uncertain the ends are.
+    pub ends: Ends,
     /// Frames without contact.
     pub flight: Vec<bool>,
-    /// Frames whose required force leaves the friction cone; `worst` is |f_t|/(μ f_n), infinite where
+    /// Graded frames whose required force leaves the friction cone; `worst` is |f_t|/(μ f_n), infinite where
     /// the force pulls.
     pub friction_violations: Violations,
-    /// Frames whose required centre of pressure leaves the support polygon; `worst` is the distance, m.
+    /// Graded frames whose required centre of pressure leaves the support polygon; `worst` is the distance, m.
     pub support_violations: Violations,
     /// What noise of the poses makes of the torques and the root's wrench.
     pub noise: NoiseFloor,
-    /// Peak, RMS and grade of the residual.
+    /// Peak, RMS and grade of the residual over the graded frames.
     pub graded: Residual,
 }
 
@@ -234,16 +243,26 @@ impl Analysis {
     }
 }
 
-/// Strength of smoothing for the forces of a clip, by the noise on the path of its centre of mass. See
-/// [`AnalysisOptions::smoothing`].
-pub fn strength(model: &Model, state: &mut State, clip: &Clip, options: &AnalysisOptions) -> Strength {
+/// Path of the centre of mass, `frames × 3`, m.
+fn com_path(model: &Model, state: &mut State, clip: &Clip) -> Vec<f64> {
     let mut com = Vec::with_capacity(3 * clip.frames());
     for k in 0..clip.frames() {
         state.update_pose(model, clip.pose(k));
         com.extend(&state.com(model));
     }
-    let chosen = Strength::of(&com, 3, clip.rate_hz, options.soft_tissue);
+    com
+}
+
+/// Strength of smoothing for the forces of a clip, by the noise on the path of its centre of mass. See
+/// [`AnalysisOptions::smoothing`]; of fewer than 16 frames no noise is read, and [`SHORT_CUTOFF_HZ`] is taken.
+pub fn strength(model: &Model, state: &mut State, clip: &Clip, options: &AnalysisOptions) -> Strength {
+    strength_of_com(&com_path(model, state, clip), clip, options)
+}
+
+fn strength_of_com(com: &[f64], clip: &Clip, options: &AnalysisOptions) -> Strength {
+    let chosen = Strength::of(com, 3, clip.rate_hz, options.soft_tissue);
     match options.smoothing {
+        Smoothing::Auto if clip.frames() < LEAST_FRAMES => Strength::at(SHORT_CUTOFF_HZ),
         Smoothing::Auto => Strength { cutoff_hz: chosen.cutoff_hz.max(LEAST_CUTOFF_HZ), ..chosen },
         Smoothing::CutoffHz(cutoff_hz) => Strength { cutoff_hz, ..chosen },
         Smoothing::Off => Strength { cutoff_hz: f64::INFINITY, assumed: 0.0, ..chosen },
@@ -268,10 +287,12 @@ pub fn analyze(
     let model = Model::new(character, options.gravity);
     let mut state = State::new(&model);
     let jumps = jumps(&clip);
-    let strength = strength(&model, &mut state, &clip, options);
+    let com = com_path(&model, &mut state, &clip);
+    let strength = strength_of_com(&com, &clip, options);
     let smoothed = smooth_at(&clip, strength);
     let noise = NoiseFloor::of(&model, &mut state, &smoothed);
     let Smoothed { clip, derivatives, report, .. } = smoothed;
+    let ends = Ends::of(&com, clip.rate_hz, report.cutoff_hz, model.mass);
     let soles = character.soles();
     let (v, vd) = (derivatives.v, derivatives.vd);
     let reaction = FloorReaction::new(&model, &mut state, &soles, &clip, &v, options);
@@ -297,6 +318,7 @@ pub fn analyze(
         angular_momentum: table(3),
         cop: table(3),
         feet: soles.iter().map(|f| FootForces::new(&f.name, f.link, frames)).collect(),
+        ends,
         flight: Vec::with_capacity(frames),
         friction_violations: Violations::default(),
         support_violations: Violations::default(),
@@ -341,10 +363,12 @@ pub fn analyze(
         for (foot, now) in a.feet.iter_mut().zip(&scratch.feet) {
             foot.push(now);
         }
-        a.friction_violations.record(k, given.cone, 1.0);
-        a.support_violations.record(k, given.outside, ground::COP_SLACK);
+        if a.ends.graded.contains(&k) {
+            a.friction_violations.record(k, given.cone, 1.0);
+            a.support_violations.record(k, given.outside, ground::COP_SLACK);
+        }
     }
-    a.graded = Residual::of(&a.residual);
+    a.graded = Residual::over(&a.residual, a.ends.graded.clone());
     Ok(a)
 }
 

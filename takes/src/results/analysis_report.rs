@@ -38,6 +38,8 @@ pub struct AnalysisReport {
     pub plausible: String,
     /// What was smoothed away.
     pub smoothing: SmoothingReport,
+    /// What is left out at the ends.
+    pub ends: EndsReport,
     /// What neither joints nor ground explain.
     pub residual: ResidualReport,
     /// What the motion needs from outside.
@@ -81,6 +83,19 @@ pub struct SmoothingReport {
     pub force_noise_n: f64,
     /// Standard deviation of the required moment about the root's origin, noisiest axis, N·m.
     pub moment_noise_nm: f64,
+}
+
+/// The ends of a smoothed clip, which are left out of peaks, grades and violations.
+#[derive(Clone, Debug, Serialize)]
+pub struct EndsReport {
+    /// Time left out at each end, s; 0 where nothing was smoothed or the clip is too short.
+    pub left_out_s: f64,
+    /// Whether the clip is too short for a grade to mean anything.
+    pub too_short: bool,
+    /// RMS error of the required force in the first and last frame, N; null where it cannot be measured.
+    pub first_frame_error_n: Option<f64>,
+    /// The same where grading begins, N.
+    pub inside_error_n: Option<f64>,
 }
 
 /// The residual.
@@ -245,6 +260,12 @@ impl AnalysisReport {
             },
             plausible: r.grade().to_string(),
             smoothing: smoothing(input, a),
+            ends: EndsReport {
+                left_out_s: a.ends.graded.start as f64 / a.rate_hz(),
+                too_short: a.ends.too_short,
+                first_frame_error_n: a.ends.first_n,
+                inside_error_n: a.ends.inside_n,
+            },
             residual: ResidualReport {
                 grade: r.grade().to_string(),
                 force_grade: r.force_grade().to_string(),
@@ -326,7 +347,9 @@ fn smoothing(input: &AnalysisInput, a: &Analysis) -> SmoothingReport {
 }
 
 fn required(a: &Analysis, percent: &dyn Fn(f64) -> Option<f64>) -> RequiredReport {
-    let forces: Vec<Vec3> = (0..a.frames()).map(|k| vec_at(&a.required_force, 3 * k)).collect();
+    let graded = a.ends.graded.clone();
+    let first = graded.start;
+    let forces: Vec<Vec3> = graded.map(|k| vec_at(&a.required_force, 3 * k)).collect();
     let mean = forces.iter().map(|f| f.y).sum::<f64>() / forces.len().max(1) as f64;
     let by_height = |x: &(usize, &Vec3), y: &(usize, &Vec3)| x.1.y.total_cmp(&y.1.y);
     let (frame, peak) = forces.iter().enumerate().max_by(by_height).map_or((0, 0.0), |(k, f)| (k, f.y));
@@ -334,7 +357,7 @@ fn required(a: &Analysis, percent: &dyn Fn(f64) -> Option<f64>) -> RequiredRepor
     RequiredReport {
         vertical_mean_n: mean,
         vertical_peak_n: peak,
-        vertical_peak_at_s: frame as f64 / a.rate_hz(),
+        vertical_peak_at_s: (first + frame) as f64 / a.rate_hz(),
         vertical_mean_percent_bw: percent(mean),
         vertical_peak_percent_bw: percent(peak),
         vertical_least_percent_bw: percent(least),
@@ -378,7 +401,8 @@ fn joints(input: &AnalysisInput, a: &Analysis) -> Vec<JointLoadReport> {
     let nv = a.clip.skeleton.nv();
     let mass = input.character.mass();
     let report = |link: usize| {
-        let sizes: Vec<f64> = a.tau.chunks_exact(nv).map(|row| size_of(row, a, link)).collect();
+        let rows = &a.tau[nv * a.ends.graded.start..nv * a.ends.graded.end];
+        let sizes: Vec<f64> = rows.chunks_exact(nv).map(|row| size_of(row, a, link)).collect();
         let by_size = |x: &(usize, &f64), y: &(usize, &f64)| x.1.total_cmp(y.1);
         let (frame, peak) = sizes.iter().enumerate().max_by(by_size).map_or((0, 0.0), |(k, x)| (k, *x));
         let l = &a.clip.skeleton.links()[link];
@@ -386,7 +410,7 @@ fn joints(input: &AnalysisInput, a: &Analysis) -> Vec<JointLoadReport> {
             joint: l.name.clone(),
             kind: if matches!(l.joint, Joint::Prismatic(_)) { "force" } else { "torque" },
             peak_nm: peak,
-            peak_at_s: frame as f64 / a.rate_hz(),
+            peak_at_s: (a.ends.graded.start + frame) as f64 / a.rate_hz(),
             peak_nm_kg: peak / mass,
             rms_nm: (sizes.iter().map(|x| x * x).sum::<f64>() / sizes.len().max(1) as f64).sqrt(),
             noise_nm: size_of(&a.noise.tau, a, link),

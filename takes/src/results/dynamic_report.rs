@@ -15,6 +15,7 @@ use crate::Take;
 use crate::results::disturbance_report::{FallReport, LegTensionReport};
 use crate::results::feet::{FeetReport, feet};
 use crate::results::gaze_report::GazeReport;
+use crate::results::root_report::RootWrench;
 
 /// The motion performed.
 #[derive(Clone, Debug, Serialize)]
@@ -94,6 +95,8 @@ pub struct JointErrorReport {
 pub struct RootReport {
     /// `free`, `assisted` or `pinned`: [`dynamics::RootName`].
     pub mode: &'static str,
+    /// Cut-off at which the motion of a pinned clip was smoothed for these numbers, Hz; null: as recorded.
+    pub smoothed_at_hz: Option<f64>,
     /// Largest force that neither gravity nor contacts explain, N: of the assist, of the pin, or when free the
     /// error of the integrator.
     pub residual_force_peak_n: f64,
@@ -214,7 +217,7 @@ impl DynamicReport {
                 })
                 .collect(),
             support_margin_mm_min: support_margin(t),
-            root: root(t, c.mass()),
+            root: root(take, t, c.mass()),
             feet: feet(take, clip, Some(t)).into(),
             contact: contact(t),
             sagging: sagging(take, o),
@@ -264,15 +267,16 @@ fn support_margin(t: &Trace) -> Option<f64> {
     least.filter(|m| m.is_finite())
 }
 
-fn root(t: &Trace, mass: f64) -> RootReport {
+fn root(take: &Take, t: &Trace, mass: f64) -> RootReport {
     let part = |w: &[f64], at| motion::skeleton::vec_at(w, at);
-    let residual: Vec<(Vec3, Vec3)> =
-        t.residual().chunks_exact(6).map(|w| (part(w, 0), part(w, 3))).collect();
-    let n = residual.len().saturating_sub(1).max(1) as f64;
+    let RootWrench { wrench, rate_hz, cutoff_hz } = RootWrench::of(take, t);
+    let residual: Vec<(Vec3, Vec3)> = wrench.chunks_exact(6).map(|w| (part(w, 0), part(w, 3))).collect();
+    // row 0 of a recorded wrench is the start: nothing has acted yet
+    let n = residual.len().saturating_sub(usize::from(cutoff_hz.is_none())).max(1) as f64;
     let (force, moment): (Vec<f64>, Vec<f64>) = residual.iter().map(|(f, m)| (f.norm(), m.norm())).unzip();
     let rms = |x: &[f64]| (x.iter().map(|x| x * x).sum::<f64>() / n).sqrt();
     let peak = |x: &[f64]| x.iter().copied().fold(0.0, f64::max);
-    let sum = |x: &[f64]| x.iter().sum::<f64>() / t.rate_hz;
+    let sum = |x: &[f64]| x.iter().sum::<f64>() / rate_hz;
     let percent = |x: f64| 100.0 * x / (mass * t.gravity.norm()).max(1e-12);
     let at_limit = |x: &[f64], most: f64| x.iter().filter(|x| **x >= most * (1.0 - 1e-9)).count() as f64 / n;
     let budget = match t.root {
@@ -288,6 +292,7 @@ fn root(t: &Trace, mass: f64) -> RootReport {
     };
     RootReport {
         mode: t.root.name().word(),
+        smoothed_at_hz: cutoff_hz,
         residual_force_peak_n: peak(&force),
         residual_force_rms_n: rms(&force),
         residual_moment_peak_nm: peak(&moment),

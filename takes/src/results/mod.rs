@@ -21,6 +21,7 @@ pub mod figures;
 pub mod folder;
 pub mod gaze_report;
 pub mod report;
+mod root_report;
 pub mod write;
 
 /// A number as short as it may be: three digits after the point at most.
