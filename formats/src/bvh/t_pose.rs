@@ -127,3 +127,43 @@ fn jump(bvh: &Bvh) -> Option<f64> {
     };
     (limbs_jump || root_jumps).then(|| own(&step).max(own(&turn)))
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Twelve angles that turn by 1° a frame, after a frame of zeros with a jump (degrees) behind it; `off` of them are not
+    /// zero there.
+    fn clip(jump: f64, off: usize) -> Bvh {
+        let joint = |name: &str, inside: &str| {
+            format!("{name}\n{{ OFFSET 0 1 0 CHANNELS 3 Zrotation Xrotation Yrotation {inside} }}")
+        };
+        let limbs = joint("JOINT b", &joint("JOINT c", &joint("JOINT d", "")));
+        let root = joint("ROOT a", &(joint("JOINT e", "") + &limbs));
+        let mut rows = String::new();
+        for frame in 0..30 {
+            for k in 0..15 {
+                let angle = match (frame, k) {
+                    (_, 0..3) => 0.0,
+                    (0, k) if k - 3 < off => jump - 1.0,
+                    (0, _) => 0.0,
+                    _ => jump + f64::from(frame - 1),
+                };
+                rows += &format!("{angle} ");
+            }
+        }
+        let text = format!("HIERARCHY {root} MOTION Frames: 30 Frame Time: 0.04 {rows}");
+        Bvh::parse(text.as_bytes()).unwrap_or_else(|e| panic!("{e}"))
+    }
+
+    /// From both sides of each threshold: what stands out, how many angles are zero, what is impossible.
+    #[test]
+    fn a_t_pose_is_found_and_dropped_from_its_thresholds_on() {
+        assert!(first_frame(&clip(2.9, 0), None).is_none());
+        assert!(first_frame(&clip(3.1, 0), None).is_some_and(|t| t.found && !t.dropped));
+        assert!(first_frame(&clip(19.9, 0), None).is_some_and(|t| !t.dropped));
+        assert!(first_frame(&clip(20.1, 0), None).is_some_and(|t| t.dropped));
+        assert!(first_frame(&clip(100.0, 3), None).is_some_and(|t| t.dropped));
+        assert!(first_frame(&clip(100.0, 4), None).is_none());
+    }
+}
