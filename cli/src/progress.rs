@@ -1,7 +1,7 @@
 //! What is seen of a long command on standard error: a bar where that is a terminal, else a line now and then.
 //!
 //! A thread keeps the clock going between two events, so that a command whose first part takes a minute does not look as if it
-//! hung. Nothing is shown of what is done within a second, and no line of what is done within ten.
+//! hung. Nothing is shown of what is done within a second, and no line of what is done within thirty.
 
 use std::io::IsTerminal;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
@@ -14,7 +14,7 @@ use takes::{Event, Progress};
 /// Before this much time has passed no bar is shown.
 const PATIENCE: Duration = Duration::from_secs(1);
 /// Time between two lines where standard error is no terminal.
-const BETWEEN_LINES: Duration = Duration::from_secs(10);
+const BETWEEN_LINES: Duration = Duration::from_secs(30);
 /// Time between two looks at the clock.
 const TICK: Duration = Duration::from_millis(200);
 const STEPS: u64 = 1000;

@@ -40,7 +40,7 @@ pub(crate) struct Face {
 /// Eyes from the middle of the face, half breadths of the head.
 const APART: f64 = 0.42;
 /// Radius of an eye and of the nose, half breadths of the head.
-const EYE: f64 = 0.16;
+const EYE: f64 = 0.2;
 const NOSE: f64 = 0.14;
 /// How far the nose's tip stands out, and lies under the eyes, half breadths of the head.
 const OUT: f64 = 0.36;

@@ -477,7 +477,7 @@ const TIMES: f64 = LABEL + 20.0;
 /// Width of the dark line around a body, px, and around the parts of a face, which are small.
 const CONTOUR: f64 = 1.6;
 const NOSE_RIM: f64 = 0.9;
-const EYE_RIM: f64 = 0.2;
+const EYE_RIM: f64 = 0.5;
 
 impl Layout {
     pub(crate) fn new(scene: &Scene, options: &StripOptions, top: f64) -> Self {

@@ -55,7 +55,7 @@ pub fn joint_torques<'a>(trace: impl Into<Excerpt<'a>>, noise: &[f64], note: &st
         keys.push(Key::area("noise: up to two standard deviations", NOISE));
     }
     let shown = format!(
-        "{shown}{}over each panel: peak, and per mass of the body",
+        "{shown}{}over each panel: peak, and per mass in N·m/kg",
         if shown.is_empty() { "" } else { " · " }
     );
     let columns = if working.len() > 4 { 3 } else { 2 };

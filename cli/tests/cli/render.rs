@@ -236,7 +236,7 @@ fn slow_a_fall_of_kilometres_is_drawn() {
 #[test]
 fn slow_numbers_are_rounded() {
     let place = Place::new();
-    let clip = place.clip("Frame Time: 0.0333333333", "Frame Time: 0.041708");
+    let clip = place.clip("Frame Time: 0.03333333333333333", "Frame Time: 0.041708");
     let clip = clip.to_str().unwrap();
     let mut said = Vec::new();
     for args in [
