@@ -47,7 +47,8 @@ pub struct RetargetReport {
     pub refinement: Option<RefinementNumbers>,
     /// How far each stage went from the one before, of those that are held to bounds.
     pub stages: Vec<StageNumbers>,
-    /// Flights of the human on the character.
+    /// Flights of the human on the character; absent without.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
     pub flights: Vec<FlightNumbers>,
     /// What a person should know: bounds that were reached, contacts that gave way, flights that fall.
     pub warnings: Vec<String>,
@@ -99,7 +100,8 @@ pub struct MomentumNumbers {
 pub struct ContactNumbers {
     /// Contact phases.
     pub phases: Vec<PhaseNumbers>,
-    /// Parts of phases that could not be kept.
+    /// Parts of phases that could not be kept; absent without.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
     pub gave_way: Vec<PhaseNumbers>,
     /// Farthest way of a point within a phase, mm.
     pub slip_mm: f64,

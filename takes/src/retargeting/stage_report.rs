@@ -40,7 +40,8 @@ pub struct StageNumbers {
     pub acceleration_bound: f64,
     /// Deepest that links are in one another before and after, mm.
     pub penetration_mm: [f64; 2],
-    /// Times in which the stage was held back, from and to, s.
+    /// Times in which the stage was held back, from and to, s; absent if it was not.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
     pub held_back_s: Vec<[f64; 2]>,
 }
 
