@@ -38,8 +38,8 @@ pub struct TPose {
     pub found: bool,
     /// Whether it was left out.
     pub dropped: bool,
-    /// The step after it, in steps of the clip (the larger of limbs and root); three of four steps are smaller than the one that
-    /// counts.
+    /// The step after it, in steps of the clip (the larger of limbs and root): of their median, which glitches do not
+    /// raise.
     pub jump: f64,
     /// Whether the caller said what to do with it.
     pub stated: bool,
@@ -123,7 +123,7 @@ fn jump(bvh: &Bvh) -> Option<f64> {
     let own = |step: &dyn Fn(usize) -> f64| {
         let mut steps: Vec<f64> = (1..bvh.frames - 1).map(step).collect();
         steps.sort_by(f64::total_cmp);
-        step(0) / steps[steps.len() * 3 / 4].max(0.1)
+        step(0) / steps[steps.len() / 2].max(0.1)
     };
     (limbs_jump || root_jumps).then(|| own(&step).max(own(&turn)))
 }
