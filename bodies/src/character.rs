@@ -6,7 +6,8 @@
 use std::sync::Arc;
 
 use motion::names::Word;
-use motion::{Joint, Kinematics, Limb, LimbKind, Shape, Skeleton, Sole, Vec3};
+use motion::support::{Vec2, ground};
+use motion::{Joint, Kinematics, Limb, LimbKind, Shape, Skeleton, Sole, Support, Vec3};
 use nalgebra::Matrix3;
 use thiserror::Error;
 
@@ -214,6 +215,37 @@ impl Character {
         soles
     }
 
+    /// The soles, with points along their edges beside the corners, no farther apart than `spacing` (m).
+    ///
+    /// A sole presses with its edges, not with its corners alone: a foot whose heel is up stands on the part of its sole
+    /// that is still near the ground, and with toes that are welded to it on its ball, the tips being under the ground.
+    /// Edges are those of the hull of the corners, seen from above in the rest pose.
+    pub fn edged_soles(&self, spacing: f64) -> Vec<Sole> {
+        let k = Kinematics::new(&self.skeleton, &self.rest);
+        let mut soles = self.soles();
+        for sole in &mut soles {
+            let places: Vec<Vec3> = sole.points(&k).collect();
+            let hull = Support::of(&places);
+            let corner = |p: &Vec2| {
+                let off = |at: &Vec3| (ground(at) - p).norm();
+                places.iter().copied().min_by(|a, b| off(a).total_cmp(&off(b)))
+            };
+            let around: Vec<Vec3> = hull.corners().iter().filter_map(corner).collect();
+            // a segment has one edge, not one there and one back
+            let edges = if around.len() > 2 { around.len() } else { around.len().saturating_sub(1) };
+            let back = k.world[sole.link].inverse();
+            for i in 0..edges {
+                let (a, b) = (around[i], around[(i + 1) % around.len()]);
+                let parts = ((b - a).norm() / spacing).ceil().max(1.0) as usize;
+                sole.corners.extend((1..parts).map(|j| {
+                    let p = a + (b - a) * (j as f64 / parts as f64);
+                    (sole.link, back.transform_point(&p.into()).coords)
+                }));
+            }
+        }
+        soles
+    }
+
     /// The legs whose feet have a sole, each with its sole, in the order of the legs.
     pub fn leg_soles(&self) -> Vec<(&Limb, Sole)> {
         let soles = self.soles();
@@ -251,6 +283,19 @@ mod tests {
     fn soles_are_those_of_bodies() {
         let (human, _) = human();
         let legs: Vec<String> = human.legs().map(|l| l.name.clone()).collect();
+        // along the edges: the corners first, none farther from the next than asked, all on the outline
+        for (plain, edged) in human.soles().iter().zip(human.edged_soles(0.04)) {
+            let k = Kinematics::new(&human.skeleton, &human.rest);
+            assert_eq!(edged.corners[..4], plain.corners[..]);
+            let hull = Support::of(&plain.points(&k).collect::<Vec<_>>());
+            let points: Vec<Vec3> = edged.points(&k).collect();
+            assert!(points.iter().all(|p| hull.margin(&ground(p)).abs() < 1e-9));
+            for (i, p) in points.iter().enumerate() {
+                let others = points.iter().enumerate().filter(|(j, _)| *j != i);
+                let nearest = others.map(|(_, o)| (o - p).norm()).fold(f64::INFINITY, f64::min);
+                assert!(nearest < 0.04 + 1e-9 && nearest > 0.01, "{nearest}");
+            }
+        }
         let mut links: Vec<Link> = human.skeleton.links().to_vec();
         let foot = human.legs().next().unwrap().end;
         let hand = human.skeleton.link("wrist_r").unwrap();

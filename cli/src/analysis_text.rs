@@ -24,7 +24,7 @@ pub fn of(input: &AnalysisInput, r: &AnalysisReport, dir: &Path) -> String {
 }
 
 fn write(out: &mut String, input: &AnalysisInput, r: &AnalysisReport, dir: &Path) -> std::fmt::Result {
-    writeln!(out, "{}", verdict(r))?;
+    writeln!(out, "{}: {}", r.name, r.verdict())?;
     line(
         out,
         r.source,
@@ -74,51 +74,6 @@ fn write(out: &mut String, input: &AnalysisInput, r: &AnalysisReport, dir: &Path
         line(out, if i == 0 { "hardest" } else { "" }, text)?;
     }
     files(out, r, dir)
-}
-
-fn verdict(r: &AnalysisReport) -> String {
-    let mut faults = Vec::new();
-    let residual = &r.residual;
-    if residual.force_grade != "good" {
-        let (peak, at) = (residual.force_peak_n, residual.force_peak_at_s);
-        let noise = noise(peak, r.smoothing.force_noise_n);
-        faults.push(format!("unexplained force up to {peak:.0} N at {at:.2} s{noise}"));
-    }
-    if residual.moment_grade != "good" {
-        let (peak, at) = (residual.moment_peak_nm, residual.moment_peak_at_s);
-        let noise = noise(peak, r.smoothing.moment_noise_nm);
-        faults.push(format!("unexplained moment up to {peak:.0} N·m at {at:.2} s{noise}"));
-    }
-    if r.friction.frames > 0 {
-        faults.push(format!("feet would slide in {:.0} % of the frames", at_least_one(r.friction.share)));
-    }
-    if r.support.frames > 0 {
-        let (worst, share) = (r.support.worst_mm, at_least_one(r.support.share));
-        faults.push(format!("centre of pressure up to {worst:.0} mm outside the soles in {share:.0} %"));
-    }
-    let verdict = match (r.is_good(), r.plausible.as_str()) {
-        _ if r.ends.too_short => "TOO SHORT to say whether it is plausible",
-        (true, _) => "physically plausible",
-        (_, "acceptable") => "nearly plausible",
-        _ => "NOT PHYSICALLY PLAUSIBLE as it is",
-    };
-    match faults.is_empty() {
-        true => format!("{}: {verdict}", r.name),
-        false => {
-            let but = if r.is_good() { ", but " } else { ": " };
-            format!("{}: {verdict}{but}{}", r.name, faults.join("; "))
-        }
-    }
-}
-
-/// Says so where a peak may be noise only: within three standard deviations.
-fn noise(peak: f64, deviation: f64) -> &'static str {
-    if peak <= 3.0 * deviation { " (no larger than noise may be)" } else { "" }
-}
-
-/// A share as percent that does not round to nothing.
-fn at_least_one(share: f64) -> f64 {
-    (100.0 * share).max(1.0)
 }
 
 fn ends(out: &mut String, r: &AnalysisReport) -> std::fmt::Result {

@@ -219,6 +219,9 @@ pub struct RenderArgs {
     /// Perform this part of a clip only, in seconds
     #[arg(long, value_name = "FROM..TO", value_parser = takes::overrides::span)]
     pub span: Option<(f64, f64)>,
+    /// Go on after a fall, muscles letting go, until the body rests; otherwise the run ends with the fall
+    #[arg(long, conflicts_with_all = ["kinematic", "pareto"])]
+    pub past_fall: bool,
     /// Leave out the edits of the scene
     #[arg(long)]
     pub no_edits: bool,
@@ -253,6 +256,7 @@ Examples:
   contrapposto render scenes/bow.ron --kinematic
   contrapposto render scenes/bow.ron --fidelity 0.3
   contrapposto render scenes/bow.ron --pareto
+  contrapposto render scenes/bow.ron --without ankle --past-fall
   contrapposto render gestures.bvh --root free
   contrapposto render gestures.bvh --root free --span 2.5..7
   contrapposto render walk.bvh --units 0.01 --up y --tension 4
@@ -281,7 +285,8 @@ impl RenderArgs {
     /// A patch that makes no sense.
     pub fn overrides(&self) -> Result<Overrides, SceneError> {
         let root = self.fidelity.map(RootChoice::Fidelity).or(self.root);
-        Ok(Overrides { root, span_s: self.span, ..self.physics.overrides()? })
+        let past_fall = self.past_fall;
+        Ok(Overrides { root, span_s: self.span, past_fall, ..self.physics.overrides()? })
     }
 
     /// Files that are read beside those that the input names.

@@ -63,19 +63,15 @@ fn write(out: &mut String, curve: &Pareto, dir: &Path) -> std::fmt::Result {
         "  fidelity    budget    force RMS (of weight)      peak    moment RMS   links    joints  then"
     )?;
     for p in &curve.points {
-        let then = match (&p.diverged, p.fell_at_s) {
-            (Some(why), _) => format!("FAILED, {why}"),
-            (None, Some(at)) => format!("fell at {at:.2} s"),
-            (None, None) if p.efficient => "stands".into(),
-            (None, None) => "stands, but less help follows closer".into(),
-        };
+        let closer = if p.stands() && !p.efficient { "; less help follows closer" } else { "" };
+        let then = format!("{}{closer}", p.verdict.text);
         writeln!(
             out,
-            "  {:>8} {:>7.1} N  {:>7.2} N   ({:>6.2} %) {:>9.1} N {:>9.2} N·m {:>5.0} mm {:>7.2}°  {then}",
+            "  {:>8} {:>7.1} N  {:>7.2} N   ({:>6} %) {:>9.1} N {:>9.2} N·m {:>5.0} mm {:>7.2}°  {then}",
             number(p.fidelity),
             p.force_budget_n,
             p.force_rms_n,
-            p.force_rms_percent_bw,
+            p.force_rms_percent_bw.map_or_else(|| "-".into(), |x| format!("{x:.2}")),
             p.force_peak_n,
             p.moment_rms_nm,
             p.position_rms_mm,

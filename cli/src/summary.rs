@@ -12,6 +12,8 @@ use takes::results::number;
 use takes::results::write::PLOTS;
 use takes::{Report, RootMode, Take};
 
+/// Mean ground force below which nothing is said of the ground, N.
+const LEAST_N: f64 = 0.1;
 /// A gaze that never came nearer to its point is out of reach, degrees.
 const OUT_OF_REACH_DEG: f64 = 5.0;
 /// Joints named as sagging, or as changed by their limits.
@@ -54,6 +56,9 @@ fn write(out: &mut String, take: &Take, report: &Report, dir: &Path) -> std::fmt
                 line(out, if i == 0 { "guessed" } else { "" }, text)?;
             }
         }
+    }
+    if let Some(p) = &report.plausibility {
+        line(out, "captured", &p.text)?;
     }
     let k = &report.kinematic;
     line(out, "asked for", feet(&k.feet))?;
@@ -131,18 +136,7 @@ fn verdict(report: &Report) -> String {
     let name = &report.scene;
     match &report.dynamic {
         None => parts(report).unwrap_or_else(|| format!("{name}: the motion asked for; no physics")),
-        Some(d) => match (&d.diverged, d.fell_at_s) {
-            (Some(why), _) => format!("{name}: FAILED, {why}"),
-            (None, Some(at)) => {
-                let cause = d.fall.as_ref().and_then(|f| f.losses.first());
-                let cause = cause.map_or(String::new(), |c| format!(": {}", c.text));
-                format!("{name}: THE BODY FELL at {at:.2} s{cause}")
-            }
-            (None, None) if d.root.mode == RootName::Pinned.word() => {
-                format!("{name}: performed, root pinned")
-            }
-            (None, None) => format!("{name}: performed, the body stands"),
-        },
+        Some(d) => format!("{name}: {}", d.verdict.text),
     }
 }
 
@@ -157,11 +151,15 @@ fn parts(report: &Report) -> Option<String> {
     let spans = if n == 1 { "its standing span" } else { "standing spans" };
     match (n, failed, fell) {
         (0, ..) => None,
-        (_, 0, 0) if n == 1 => {
-            Some(format!("{name}: {spans} performed, the body stands; where it steps it is not"))
-        }
         (_, 0, 0) => {
-            Some(format!("{name}: {n} {spans} performed, the body stands in all; where it steps it is not"))
+            let but = runs.iter().filter(|d| !d.verdict.reasons.is_empty()).count();
+            let how = match (but, n) {
+                (0, 1) => format!("{spans} performed as asked"),
+                (0, _) => format!("{n} {spans} performed as asked"),
+                (_, 1) => format!("{spans} performed, but not as asked"),
+                _ => format!("{n} {spans} performed, {but} not as asked"),
+            };
+            Some(format!("{name}: {how}; where it steps it is not"))
         }
         (_, 0, _) => Some(format!("{name}: THE BODY FELL in {fell} of {n} {spans}")),
         _ => Some(format!("{name}: FAILED in {failed} of {n} {spans}")),
@@ -175,17 +173,10 @@ fn spans(out: &mut String, report: &Report) -> std::fmt::Result {
     for (i, span) in spans.iter().enumerate() {
         let text = match (&span.dynamic, span.stands) {
             (Some(d), _) => {
-                let end = match (&d.diverged, d.fell_at_s) {
-                    (Some(why), _) => format!("FAILED, {why}"),
-                    (None, Some(at)) => format!("THE BODY FELL at {:.2} s", span.from_s + at),
-                    (None, None) => "stands".into(),
-                };
+                let residual = percent(d.root.residual_force_rms_percent_bw);
                 format!(
-                    "{end}: upper body {:.2}° RMS, links {:.0} mm, unexplained force {:.2} % of body weight, slip {:.0} mm",
-                    d.upper_body_rms_deg,
-                    d.position_rms_mm,
-                    d.root.residual_force_rms_percent_bw,
-                    d.feet.slip_mm_max
+                    "{}; upper body {:.2}° RMS, links {:.0} mm, unexplained force {residual}, slip {:.0} mm",
+                    d.verdict.text, d.upper_body_rms_deg, d.position_rms_mm, d.feet.slip_mm_max
                 )
             }
             (None, true) if alone => "stands throughout, feet planted".into(),
@@ -214,11 +205,11 @@ fn performed(out: &mut String, d: &DynamicReport) -> std::fmt::Result {
     let held = match r.mode {
         mode if free => format!("{mode}: nothing but muscles and contacts"),
         mode => format!(
-            "{mode}: force {:.1} N RMS ({:.1} % of body weight), {:.1} N peak ({:.1} %), {:.1} N·s in all",
+            "{mode}: force {:.1} N RMS ({}), {:.1} N peak ({}), {:.1} N·s in all",
             r.residual_force_rms_n,
-            r.residual_force_rms_percent_bw,
+            percent(r.residual_force_rms_percent_bw),
             r.residual_force_peak_n,
-            r.residual_force_peak_percent_bw,
+            percent(r.residual_force_peak_percent_bw),
             r.impulse_ns
         ),
     };
@@ -238,9 +229,9 @@ fn performed(out: &mut String, d: &DynamicReport) -> std::fmt::Result {
     }
     if let Some(b) = &r.budget {
         let text = format!(
-            "budget {:.1} N ({:.1} % of body weight), used up {:.0} % of the time; {:.1} N·m, used up {:.0} %",
+            "budget {:.1} N ({}), used up {:.0} % of the time; {:.1} N·m, used up {:.0} %",
             b.force_n,
-            b.force_percent_bw,
+            percent(b.force_percent_bw),
             100.0 * b.force_at_limit,
             b.moment_nm,
             100.0 * b.moment_at_limit
@@ -249,10 +240,16 @@ fn performed(out: &mut String, d: &DynamicReport) -> std::fmt::Result {
     }
     if free {
         let text = format!(
-            "unexplained force {:.2} N RMS ({:.3} % of body weight), {:.1} N peak",
-            r.residual_force_rms_n, r.residual_force_rms_percent_bw, r.residual_force_peak_n
+            "unexplained force {:.2} N RMS ({}), {:.1} N peak",
+            r.residual_force_rms_n,
+            percent(r.residual_force_rms_percent_bw),
+            r.residual_force_peak_n
         );
         line(out, "residual", text)?;
+    }
+    let triggers = d.fall.iter().flat_map(|f| &f.triggers);
+    for (i, trigger) in triggers.enumerate() {
+        line(out, if i == 0 { "BECAUSE" } else { "" }, &trigger.text)?;
     }
     for (i, loss) in d.fall.iter().flat_map(|f| &f.losses).enumerate() {
         line(
@@ -334,13 +331,18 @@ fn performed(out: &mut String, d: &DynamicReport) -> std::fmt::Result {
             d.joint_rms_deg, d.upper_body_rms_deg, d.position_rms_mm
         ),
     )?;
-    line(out, "", format!("worst: {}", worst.join(", ")))?;
-    if d.contact.vertical_peak_n > 0.0 {
+    if !worst.is_empty() {
+        line(out, "", format!("worst: {}", worst.join(", ")))?;
+    }
+    if d.contact.vertical_mean_n.abs() > LEAST_N {
         line(out, "feet", feet(&d.feet))?;
         let c = &d.contact;
         let mut text = format!(
-            "vertical {:.1} N mean, {:.1} N peak; {:.2} % of body weight at the end; friction used {:.2}",
-            c.vertical_mean_n, c.vertical_peak_n, c.vertical_end_percent_bw, c.friction_used_max
+            "vertical {:.1} N mean, {:.1} N peak; {} at the end; friction used {:.2}",
+            c.vertical_mean_n,
+            c.vertical_peak_n,
+            percent(c.vertical_end_percent_bw),
+            c.friction_used_max
         );
         if let Some(margin) = d.support_margin_mm_min {
             let _ = write!(text, "; centre of mass at least {margin:.0} mm inside the support");
@@ -358,6 +360,17 @@ fn performed(out: &mut String, d: &DynamicReport) -> std::fmt::Result {
         line(out, "", format!("and {} more, see report.json", d.sagging.len() - SAGGING))?;
     }
     Ok(())
+}
+
+/// A share of the body's weight.
+fn percent(x: Option<f64>) -> String {
+    x.map_or_else(
+        || "there is no weight".into(),
+        |x| {
+            let digits = if x.abs() < 1.0 { 3 } else { 1 };
+            format!("{x:.digits$} % of body weight")
+        },
+    )
 }
 
 fn feet(f: &FeetReport) -> String {

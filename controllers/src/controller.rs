@@ -18,7 +18,7 @@ use crate::feed;
 use crate::plan::{JointControl, Plan, Sagging};
 use crate::reactive::{ControlStep, Impedance, Reactive};
 use crate::support::{Foot, polygon, wrenches};
-use crate::{Drive, Goal, rest_of};
+use crate::{Drive, Goal, Rest, rest_of};
 
 /// A foot of the goal stands when its lowest corner is this near the ground, m, …
 const NEAR: f64 = 0.03;
@@ -110,9 +110,7 @@ impl Controller {
     pub fn step(&mut self, row: usize, q: &[f64], v: &[f64]) -> Result<&[Drive], IkError> {
         let dt = 1.0 / self.plan.goal.rate_hz;
         let t = row as f64 * dt;
-        while self.plan.models.get(self.model_now + 1).is_some_and(|m| m.from_s < t - 1e-9) {
-            self.model_now += 1;
-        }
+        self.carry(t);
         self.redirect(t);
         let level = |plan: &Plan, i: usize| match &self.joints[i] {
             JointControl::Tracked => 1.0,
@@ -159,6 +157,30 @@ impl Controller {
             property.react(&step, &mut self.drives)?;
         }
         Ok(&self.drives)
+    }
+
+    /// Drives of a body that has given up: no stiffness, and the damping that its joints have at their tension. Muscles
+    /// only take energy out: the body comes to rest where it lies.
+    ///
+    /// * `row`: the step ends there
+    /// * `q`: the simulated pose at its start
+    pub fn let_go(&mut self, row: usize, q: &[f64]) -> &[Drive] {
+        self.carry(row as f64 / self.plan.goal.rate_hz);
+        let model = &self.plan.models[self.model_now].model;
+        for (i, drive) in self.drives.iter_mut().enumerate() {
+            *drive = match rest_of(model, i, q) {
+                Rest::None => Drive::NONE,
+                rest => Drive { stiffness: 0.0, damping: self.plan.impedances[i].damping, rest },
+            };
+        }
+        &self.drives
+    }
+
+    /// Takes the model of what is carried at `t`, s.
+    fn carry(&mut self, t: f64) {
+        while self.plan.models.get(self.model_now + 1).is_some_and(|m| m.from_s < t - 1e-9) {
+            self.model_now += 1;
+        }
     }
 
     /// Redirects the transitions whose new elements have become active at `t`, s.

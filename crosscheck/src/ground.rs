@@ -57,6 +57,7 @@ pub fn standing_weight(bridge: &Shared, take: &Take) -> Result<Check, PassError>
             tilts: Vec::new(),
             pushes: Vec::new(),
             carried: Vec::new(),
+            past_fall: false,
         }
     };
     let ours = still(take).run(&rapier::engine(), &mut |_| {})?.trace;
@@ -124,11 +125,7 @@ const LEAST_SPAN: f64 = 0.5;
 /// Whether the body stands (1) or falls (0) in each engine.
 fn verdict(ours: &Outcome, theirs: &Outcome) -> Check {
     let stands = |o: &Outcome| f64::from(u8::from(o.fell_s.is_none()));
-    let end = |o: &Outcome| match (&o.fall, o.fell_s) {
-        (Some(fall), _) => fall.to_string(),
-        (None, Some(at)) => format!("falls at {at:.2} s"),
-        (None, None) => "stands".to_owned(),
-    };
+    let end = |o: &Outcome| o.fall.as_ref().map_or_else(|| o.verdict.ending.to_string(), Fall::to_string);
     let at = match (ours.fell_s, theirs.fell_s) {
         (None, None) => "stands in both".to_owned(),
         _ => format!("rapier: {}; MuJoCo: {}", end(ours), end(theirs)),

@@ -13,6 +13,10 @@ use motion::names::Word;
 /// Gravity where nothing else is said: that of the Earth, world, m/s².
 pub const GRAVITY: Vec3 = Vec3::new(0.0, -9.81, 0.0);
 
+/// Least downward gravity in which feet stand, m/s²: a tenth of the Moon's. Below, a body takes seconds to fall back on its
+/// feet, and nothing that feet do balances it.
+pub const LEAST_GRAVITY: f64 = 0.16;
+
 /// What holds the root.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum RootMode {

@@ -3,8 +3,11 @@
 //! In: a [`Trace`] of a body whose root is not pinned. Out: a [`Fall`]. A fall is an outcome of a run like any
 //! other; this is the story of it, from what the trace recorded and nothing else.
 //!
-//! *Fallen*: something else than a foot carries more than [`CARRIES_N`], or the root is lower over the ground than
-//! [`LOW`] of what was asked.
+//! *Fallen*: load or height outside the contact plan. Something that the motion asked for does not bring to the ground
+//! carries more than [`CARRIES_N`]; or the body stands on the ground with its root lower than [`LOW`] of what was asked.
+//! Feet may always carry. So may a point of a link that comes within [`NEAR_M`] of the ground in the motion asked for, then or in
+//! the [`NEAR_S`] before: knees that kneel, hands of a cartwheel, the back of a sleeper. A body in the air has not fallen
+//! yet.
 //!
 //! *Margins*, each with what losing it means. A margin counts as lost at the beginning of the last span of time in
 //! which it is gone without a break longer than [`BREAK_S`] and which lasts until the fall; what came back is not a
@@ -27,13 +30,21 @@ use motion::skeleton::vec_at;
 use motion::support::ground;
 use motion::{Joint, Kinematics, Sole, Vec3};
 
-use crate::{Model, RootMode, Trace};
+use crate::trigger::{self, Trigger};
+use crate::{ContactSample, Model, RootMode, Trace};
 use bodies::JointClass;
 
 /// A link other than a foot that carries more than this has fallen on the ground, N.
 pub const CARRIES_N: f64 = 20.0;
+/// What comes this near to the ground in the motion asked for may carry load, m: a limb that touches has turned about its own
+/// axis by its thickness. ...
+pub const NEAR_M: f64 = 0.15;
+/// ... until this much later, s: muscles lag.
+pub const NEAR_S: f64 = 0.25;
 /// Part of the root's height over the ground asked for below which the body has fallen.
 pub const LOW: f64 = 0.6;
+/// And by so much it has to be lower, m: the root of a lamp is its plate.
+pub const LOWER_M: f64 = 0.05;
 /// A margin back for longer than this was not lost for good, s.
 pub const BREAK_S: f64 = 0.1;
 /// A sole this much farther from its place than asked has slipped, m.
@@ -105,10 +116,12 @@ impl fmt::Display for Loss {
 /// A fall. See the module header.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Fall {
-    /// When something else than a foot carried load, or the body was low, s.
+    /// When load or height was outside the contact plan, s.
     pub time_s: f64,
     /// Margins lost for good before it, in order of loss.
     pub losses: Vec<Loss>,
+    /// What the motion or the world brought before it, in order of time.
+    pub triggers: Vec<Trigger>,
 }
 
 impl Fall {
@@ -130,19 +143,41 @@ impl fmt::Display for Fall {
     }
 }
 
-/// Whether the body lies on the ground or is far lower than asked in a row of a trace.
+/// Whether the body has fallen in a row of a trace. See the module header.
 pub fn fallen(trace: &Trace, model: &Model, row: usize) -> bool {
     let Some(ground) = trace.ground_m else { return false };
-    let feet: Vec<usize> = trace.character.legs().map(|l| model.body_of[l.end].0).collect();
     let first = trace.contacts.partition_point(|c| c.row < row);
-    let here = trace.contacts[first..].iter().take_while(|c| c.row == row);
-    let other =
-        here.into_iter().any(|c| !feet.contains(&model.body_of[c.link].0) && c.force.norm() > CARRIES_N);
-    if other || !matches!(model.bodies[0].joint, Joint::Free) {
-        return other;
+    let here: Vec<&ContactSample> = trace.contacts[first..].iter().take_while(|c| c.row == row).collect();
+    if here.iter().all(|c| c.force.norm() == 0.0) {
+        return false; // in the air
+    }
+    let feet: Vec<usize> = trace.character.legs().map(|l| model.body_of[l.end].0).collect();
+    let outside = |c: &&ContactSample| {
+        c.force.norm() > CARRIES_N && !feet.contains(&model.body_of[c.link].0) && !is_asked(trace, row, c)
+    };
+    if here.into_iter().any(|c| outside(&c)) {
+        return true;
+    }
+    if !matches!(model.bodies[0].joint, Joint::Free) {
+        return false;
     }
     let height = |q: &[f64]| model.skeleton.position(q, 0).y - ground;
-    height(trace.pose(row)) < LOW * height(trace.target_pose(row))
+    let (now, asked) = (height(trace.pose(row)), height(trace.target_pose(row)));
+    now < LOW * asked && now < asked - LOWER_M
+}
+
+/// Whether the motion asked for brings the point of a link that touches near the ground, about the time of a row.
+fn is_asked(trace: &Trace, row: usize, contact: &ContactSample) -> bool {
+    const LOOKS: usize = 5;
+    let skeleton = &trace.character.skeleton;
+    let mut k = Kinematics::new(skeleton, trace.pose(row));
+    let at = k.world[contact.link].inverse().transform_point(&contact.point.into()).coords;
+    (0..LOOKS).any(|look| {
+        let back = (NEAR_S * trace.rate_hz * look as f64 / (LOOKS - 1) as f64).round() as usize;
+        k.update(skeleton, trace.target_pose(row.saturating_sub(back)));
+        // the motion asked for was made for the floor of row 0
+        trace.height(0, &k.point(contact.link, &at)) < NEAR_M
+    })
 }
 
 /// The fall of a trace, if its body fell.
@@ -163,7 +198,11 @@ pub fn at_row(trace: &Trace, model: &Model, row: usize) -> Fall {
             break;
         }
     }
-    Fall { time_s: row as f64 / trace.rate_hz, losses: search.losses() }
+    Fall {
+        time_s: row as f64 / trace.rate_hz,
+        losses: search.losses(),
+        triggers: trigger::before(trace, model, row),
+    }
 }
 
 /// A margin while rows are looked at from the fall backwards.

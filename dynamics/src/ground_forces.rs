@@ -74,7 +74,7 @@ impl GroundForces {
     }
 
     /// What penalty contact gives to the motion, for a body that would rest `sink_m` deep; `None`
-    /// without ground or contact points, or where no shift up to 0.1 m gives the required mean.
+    /// without ground, weight or contact points, or where no shift up to 0.1 m gives the required mean.
     ///
     /// # Errors
     /// A sink, mass or gravity that is not positive.
@@ -84,6 +84,9 @@ impl GroundForces {
         sink_m: f64,
     ) -> Result<Option<(Self, GivenBy)>, PenaltyError> {
         let (Some(ground), false) = (a.ground_m, character.contacts.is_empty()) else { return Ok(None) };
+        if a.weight() <= 0.0 {
+            return Ok(None); // no weight would rest on it
+        }
         let points = character.contacts.len();
         let penalty = Penalty::for_body(a.mass, a.gravity.norm(), points, sink_m)?;
         let soles = SolePoints::of(character, a, ground);
@@ -223,5 +226,28 @@ impl SolePoints {
             }));
         }
         Self { points }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Without common times there is no difference to state; of zeros it is zero.
+    #[test]
+    fn differences_of_nothing_and_of_zeros() {
+        let forces = |rows: usize, start_s: f64| GroundForces {
+            rate_hz: 10.0,
+            start_s,
+            total: vec![Vec3::zeros(); rows],
+            feet: Vec::new(),
+        };
+        let between =
+            |a: &GroundForces, b: &GroundForces| GroundForces::rms_difference([a, b], &a.total, &b.total);
+        assert_eq!(between(&forces(0, 0.0), &forces(0, 0.0)), None);
+        assert_eq!(between(&forces(3, 0.0), &forces(0, 0.0)), None);
+        assert_eq!(between(&forces(3, 0.0), &forces(3, 5.0)), None);
+        assert_eq!(between(&forces(3, 0.0), &forces(3, 0.0)), Some([0.0; 2]));
+        assert!(forces(0, 0.0).between(0.0, 1.0).total.is_empty());
     }
 }

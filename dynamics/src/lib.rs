@@ -8,6 +8,9 @@
 //! | [`analysis`] | what forces a clip needs, and whether the ground can give them |
 //! | [`conditions`] | what acts on a performer: what holds its root, pushes, carried masses |
 //! | [`fall`] | whether and why a body fell |
+//! | [`trigger`] | what the motion or the world brought that made it fall |
+//! | [`feet`] | what the feet of a run did on its ground |
+//! | [`verdict`] | how a motion was performed, in words and with numbers |
 //! | [`model`] | a character compiled for dynamics, and its world-frame state |
 //! | [`rnea`] | inverse dynamics with outside wrenches, bias, Coriolis terms, gravity load |
 //! | [`crba`] | mass matrix |
@@ -27,6 +30,7 @@ pub mod conditions;
 pub mod crba;
 pub mod derivatives;
 pub mod fall;
+pub mod feet;
 pub mod forward;
 pub mod ground_forces;
 pub mod inertia;
@@ -35,6 +39,8 @@ pub mod model;
 pub mod penalty;
 pub mod rnea;
 pub mod trace;
+pub mod trigger;
+pub mod verdict;
 
 pub use analysis::{Analysis, AnalysisError, AnalysisOptions, FloorChoice, Grade, analyze};
 pub use conditions::{Carrying, Push, RootMode, RootName};
@@ -46,3 +52,4 @@ pub use model::{Model, MovingBody, State};
 pub use penalty::Penalty;
 pub use rnea::{Wrench, total_wrench};
 pub use trace::{ContactSample, Disturbed, Handed, Trace};
+pub use verdict::Verdict;

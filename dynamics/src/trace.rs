@@ -185,6 +185,11 @@ impl Trace {
         self.ground_up(row).dot(&(p - self.pivot()))
     }
 
+    /// A point of a row as it lies on the ground, as if that were level and at height zero: `y` is its height over the plane, m.
+    pub fn on_ground(&self, row: usize, p: &Vec3) -> Vec3 {
+        self.ground_turn(row).inverse() * (p - self.pivot())
+    }
+
     /// Where a point of a row, riding on the ground, was in row 0, m.
     pub fn unturned(&self, row: usize, p: &Vec3) -> Vec3 {
         self.pivot() + self.ground_turn(0) * (self.ground_turn(row).inverse() * (p - self.pivot()))

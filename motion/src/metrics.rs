@@ -62,7 +62,8 @@ pub fn joint_rms_deg<'a>(errors: impl IntoIterator<Item = &'a JointError>) -> f6
 /// RMS distance between the links' origins of two clips, mm.
 pub fn position_rms_mm(a: &Clip, b: &Clip) -> f64 {
     let frames = a.frames().min(b.frames());
-    let (mut ka, mut kb) = (Kinematics::new(&a.skeleton, a.pose(0)), Kinematics::new(&b.skeleton, b.pose(0)));
+    let mut ka = Kinematics::new(&a.skeleton, &a.skeleton.zero_pose());
+    let mut kb = ka.clone();
     let mut sum = 0.0;
     for f in 0..frames {
         ka.update(&a.skeleton, a.pose(f));
@@ -79,6 +80,10 @@ pub fn position_rms_mm(a: &Clip, b: &Clip) -> f64 {
 pub struct FeetMetrics {
     /// Largest horizontal travel of a point while it stays down, mm.
     pub slip_mm_max: f64,
+    /// Which point that was.
+    pub slip_point: usize,
+    /// The frame in which it had travelled so far.
+    pub slip_frame: usize,
     /// MANN skate measure, mean over points and frames, mm/s.
     pub skate_mm_s: f64,
     /// Largest depth of a point below the plane, mm.
@@ -87,45 +92,94 @@ pub struct FeetMetrics {
     pub float_mm_max: f64,
 }
 
-/// A point is down below this height above the plane, m.
+/// A point is down below this height above the plane, m, ...
 const DOWN: f64 = 0.010;
+/// ... and below this speed along it, m/s. A swinging foot passes the ground by a centimetre or two, and the tips of welded
+/// toes, which rolled under the ground, by less; it is faster than this from the last centimetre of its roll on.
+const SWINGS: f64 = 0.6;
 /// Height scale of the skate measure, m.
 const SKATE_HEIGHT: f64 = 0.025;
 
 /// Foot numbers of `sites` over a plane at `ground_m`.
 pub fn feet(clip: &Clip, sites: &[&Site], ground_m: f64) -> FeetMetrics {
-    let mut out = FeetMetrics::default();
-    if sites.is_empty() {
-        return out;
-    }
-    let mut k = Kinematics::new(&clip.skeleton, clip.pose(0));
-    let mut before: Vec<Vec3> = Vec::new();
-    let mut landed: Vec<Option<Vec3>> = vec![None; sites.len()];
-    let mut skate = 0.0;
+    let mut meter = FeetMeter::new(sites.len(), clip.rate_hz);
+    let mut k = Kinematics::new(&clip.skeleton, &clip.skeleton.zero_pose());
     for f in 0..clip.frames() {
         k.update(&clip.skeleton, clip.pose(f));
-        let points: Vec<Vec3> = sites.iter().map(|s| k.point(s.link, &s.at)).collect();
-        let lowest = points.iter().map(|p| p.y - ground_m).fold(f64::INFINITY, f64::min);
+        meter.add(sites.iter().map(|s| (k.point(s.link, &s.at) - Vec3::y() * ground_m, false)));
+    }
+    meter.finish()
+}
+
+/// Follows contact points over the ground, frame by frame: what [`feet`] measures.
+#[derive(Clone, Debug)]
+pub struct FeetMeter {
+    rate_hz: f64,
+    /// Where each point came down, while it is.
+    landed: Vec<Option<Vec3>>,
+    before: Vec<Vec3>,
+    now: Vec<Vec3>,
+    loaded: Vec<bool>,
+    frames: usize,
+    skate: f64,
+    out: FeetMetrics,
+}
+
+impl FeetMeter {
+    /// Of so many points, no frame yet.
+    pub fn new(points: usize, rate_hz: f64) -> Self {
+        Self {
+            rate_hz,
+            landed: vec![None; points],
+            before: Vec::with_capacity(points),
+            now: Vec::with_capacity(points),
+            loaded: Vec::with_capacity(points),
+            frames: 0,
+            skate: 0.0,
+            out: FeetMetrics::default(),
+        }
+    }
+
+    /// Adds a frame: every point with its height over the ground as `y`, and as `x`, `z` its place on it, m; and whether
+    /// its foot is known to bear load. Such a foot slides, however fast it is.
+    pub fn add(&mut self, points: impl IntoIterator<Item = (Vec3, bool)>) {
+        self.now.clear();
+        self.loaded.clear();
+        for (p, loaded) in points {
+            self.now.push(p);
+            self.loaded.push(loaded);
+        }
+        let frame = self.frames;
+        self.frames += 1;
+        if self.now.is_empty() {
+            return;
+        }
+        let lowest = self.now.iter().map(|p| p.y).fold(f64::INFINITY, f64::min);
+        let out = &mut self.out;
         out.penetration_mm_max = out.penetration_mm_max.max(-1e3 * lowest);
         out.float_mm_max = out.float_mm_max.max(1e3 * lowest);
-        for (i, p) in points.iter().enumerate() {
-            if p.y - ground_m > DOWN {
-                landed[i] = None;
+        for (i, p) in self.now.iter().enumerate() {
+            let speed = self.before.get(i).map_or(0.0, |b| (p.x - b.x).hypot(p.z - b.z) * self.rate_hz);
+            if p.y > DOWN || (speed > SWINGS && !self.loaded[i]) {
+                self.landed[i] = None;
             } else {
-                let start = *landed[i].get_or_insert(*p);
-                let travel = (p.x - start.x).hypot(p.z - start.z);
-                out.slip_mm_max = out.slip_mm_max.max(1e3 * travel);
+                let start = *self.landed[i].get_or_insert(*p);
+                let travel = 1e3 * (p.x - start.x).hypot(p.z - start.z);
+                if travel > out.slip_mm_max {
+                    (out.slip_mm_max, out.slip_point, out.slip_frame) = (travel, i, frame);
+                }
             }
-            if let Some(b) = before.get(i) {
-                let speed = (p.x - b.x).hypot(p.z - b.z) * clip.rate_hz;
-                let weight = 2.0 - 2f64.powf(((p.y - ground_m) / SKATE_HEIGHT).clamp(0.0, 1.0));
-                skate += 1e3 * speed * weight;
-            }
+            let weight = 2.0 - 2f64.powf((p.y / SKATE_HEIGHT).clamp(0.0, 1.0));
+            self.skate += 1e3 * speed * weight;
         }
-        before = points;
+        std::mem::swap(&mut self.before, &mut self.now);
     }
-    out.skate_mm_s = skate / (sites.len() * clip.frames().saturating_sub(1).max(1)) as f64;
-    out
+
+    /// The numbers so far; all zero without points.
+    pub fn finish(&self) -> FeetMetrics {
+        let counted = self.landed.len() * self.frames.saturating_sub(1);
+        FeetMetrics { skate_mm_s: self.skate / counted.max(1) as f64, ..self.out }
+    }
 }
 
 /// RMS jerk (third derivative) of the links' origins, m/s³, by central differences.
@@ -197,5 +251,33 @@ mod tests {
         assert!((m.float_mm_max - 50.0).abs() < 1e-9);
         assert!((m.skate_mm_s - 5.0).abs() < 1e-9); // 10 mm/s for half the time
         assert!(jerk_rms(&clip) > 0.0);
+    }
+
+    /// A foot that swings a centimetre over the ground does not slip; one that bears load does, however fast.
+    #[test]
+    fn what_swings_does_not_slip() {
+        let slip = |loaded: bool| {
+            let mut meter = FeetMeter::new(1, 100.0);
+            (0..50).for_each(|f| meter.add([(Vec3::new(0.02 * f64::from(f), 0.005, 0.0), loaded)]));
+            meter.finish().slip_mm_max
+        };
+        assert_eq!(slip(false), 0.0); // 2 m/s
+        assert!((slip(true) - 980.0).abs() < 1e-9);
+    }
+
+    /// Nothing to measure is zero, and so is what stands still.
+    #[test]
+    fn numbers_of_nothing_are_zero() {
+        let s = slider();
+        let still = Clip::new(s.clone(), 10.0, s.zero_pose());
+        let none = Clip::new(s, 10.0, Vec::new());
+        assert_eq!(feet(&still, &[], 0.0), FeetMetrics::default());
+        let site = Site { name: "toe".into(), link: 0, at: Vec3::zeros() };
+        for clip in [&still, &none] {
+            assert_eq!(feet(clip, &[&site], 0.0), FeetMetrics::default());
+            assert_eq!(joint_errors(clip, clip), [JointError { link: 1, rms_deg: 0.0, peak_deg: 0.0 }]);
+            assert_eq!((position_rms_mm(clip, clip), jerk_rms(clip)), (0.0, 0.0));
+        }
+        assert_eq!(joint_rms_deg(&[]), 0.0);
     }
 }

@@ -98,7 +98,7 @@ mod tests {
         let ball = |c: Vec3| {
             (0..4000).map(move |i| {
                 let (z, t) = (1.0 - 2.0 * (f64::from(i) + 0.5) / 4000.0, f64::from(i) * 2.399_963);
-                let r = (1.0 - z * z as f64).sqrt();
+                let r = (1.0 - z * z).sqrt();
                 c + Vec3::new(r * t.cos(), r * t.sin(), z) * 0.05
             })
         };

@@ -32,6 +32,8 @@ pub struct Physics {
     pub ground: Option<Floor>,
     /// Parameters of the balance property.
     pub balance: BalanceSettings,
+    /// Go on after a fall, muscles and assist letting go, until the body rests; otherwise the run ends with the fall.
+    pub past_fall: bool,
 }
 
 impl Physics {
@@ -46,6 +48,7 @@ impl Physics {
             gravity: GRAVITY,
             ground: Some(Floor::level(0.0, FRICTION)),
             balance: BalanceSettings::default(),
+            past_fall: false,
         }
     }
 

@@ -118,6 +118,8 @@ pub struct Overrides {
     pub without: Vec<Strategy>,
     /// Part of a clip, from and to, s.
     pub span_s: Option<(f64, f64)>,
+    /// Go on after a fall.
+    pub past_fall: bool,
 }
 
 /// Reads a part of a clip: `FROM..TO` in seconds.
@@ -160,6 +162,7 @@ impl Overrides {
         if let Some(n) = self.substeps {
             physics.substeps = Some(n.clamp(*SUBSTEPS.start(), *SUBSTEPS.end()));
         }
+        physics.past_fall |= self.past_fall;
         for &strategy in &self.without {
             physics.balance = physics.balance.without(strategy);
         }

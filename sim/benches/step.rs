@@ -72,6 +72,7 @@ fn whole(c: &Arc<Character>, scripted: bool) -> Run {
         pushes: Vec::new(),
         tilts: Vec::new(),
         carried: Vec::new(),
+        past_fall: false,
     };
     pass.start(&EngineEntry::default()).unwrap()
 }

@@ -4,12 +4,14 @@
 //! [`Outcome`]: the trace, where joints sagged, whether, when and how the body fell or the run diverged. One control
 //! step per row of the goal.
 
+use std::borrow::Cow;
 use std::time::Instant;
 
 use controllers::assist::{Assist, Budget};
 use controllers::stops::STIFFNESS_RATIO;
 use controllers::{Controller, LegTension, Plan, Reactive, Sagging, Setup};
 use dynamics::fall::{self, Fall};
+use dynamics::verdict::{self, Verdict};
 use dynamics::{Carrying, Push, RootMode, State, Trace, Wrench};
 use motion::ik::IkError;
 use motion::{Floor, Joint, Tilt, Vec3};
@@ -49,11 +51,14 @@ pub struct Pass {
     pub pushes: Vec<Push>,
     /// Masses carried.
     pub carried: Vec<Carrying>,
+    /// Goes on after a fall: muscles and assist let go ([`Controller::let_go`]), and the body comes to rest. Otherwise the run
+    /// ends with the fall: what comes after it was not performed.
+    pub past_fall: bool,
 }
 
 /// What came of a run.
 pub struct Outcome {
-    /// Everything recorded, up to the end or to where the run diverged.
+    /// Everything recorded, up to the end, or to where the body fell or the run diverged.
     pub trace: Trace,
     /// Joints that sagged.
     pub sagging: Vec<Sagging>,
@@ -61,6 +66,8 @@ pub struct Outcome {
     pub fell_s: Option<f64>,
     /// How it fell: which margins were lost, in order.
     pub fall: Option<Fall>,
+    /// How the motion was performed.
+    pub verdict: Verdict,
     /// Tension of the stance legs, where it is not what was asked.
     pub leg_tension: Vec<LegTension>,
     /// Why the run stopped early.
@@ -69,6 +76,16 @@ pub struct Outcome {
     pub added_damping: (f64, usize),
     /// Stiffness scale of the run per actuated joint: link, K₁ at T = 1 and K_least over the poses, N·m/rad.
     pub stiffness: Vec<(usize, f64, f64)>,
+}
+
+impl Outcome {
+    /// What was performed: the trace up to the fall, that row included.
+    pub fn performed(&self) -> Cow<'_, Trace> {
+        match &self.fall {
+            Some(fall) => Cow::Owned(self.trace.cut(0..verdict::performed_rows(&self.trace, fall))),
+            None => Cow::Borrowed(&self.trace),
+        }
+    }
 }
 
 /// The largest ω₀ dt/2 a default run accepts.
@@ -156,6 +173,7 @@ impl Pass {
             ground: settings.ground,
             tilts: self.tilts,
             pushes: self.pushes,
+            past_fall: self.past_fall,
             load,
             row: 0,
             fell_s: None,
@@ -177,6 +195,7 @@ pub struct Run {
     ground: Option<Floor>,
     tilts: Vec<Tilt>,
     pushes: Vec<Push>,
+    past_fall: bool,
     load: Load,
     row: usize,
     fell_s: Option<f64>,
@@ -210,12 +229,14 @@ impl Run {
         self.diverged.as_ref()
     }
 
-    /// Controls, simulates and records one step; `false` when the run is over.
+    /// Controls, simulates and records one step; `false` when the run is over: at its end, where it diverged, and with the fall
+    /// unless [`Pass::past_fall`].
     ///
     /// # Errors
     /// Legs that cannot be solved.
     pub fn step(&mut self) -> Result<bool, PassError> {
-        if self.row + 1 >= self.rows() || self.diverged.is_some() {
+        let fallen = self.fell_s.is_some();
+        if self.row + 1 >= self.rows() || self.diverged.is_some() || (fallen && !self.past_fall) {
             return Ok(false);
         }
         let row = self.row + 1;
@@ -232,8 +253,12 @@ impl Run {
             outside.force += (after.linear - before.linear) * rate_hz;
             outside.moment += (after.angular - before.angular) * rate_hz;
         }
-        controller.observe_contacts(&self.recorder.contacts);
-        controller.step(row, engine.q(), engine.v())?;
+        if fallen {
+            controller.let_go(row, engine.q());
+        } else {
+            controller.observe_contacts(&self.recorder.contacts);
+            controller.step(row, engine.q(), engine.v())?;
+        }
         engine.set_drives(controller.drives());
         let t = (row - 1) as f64 / rate_hz;
         for push in &self.pushes {
@@ -246,6 +271,8 @@ impl Run {
         }
         match self.root {
             RootMode::Free => {}
+            // who has fallen is not helped up
+            RootMode::Assisted { .. } if fallen => {}
             RootMode::Assisted { .. } => {
                 if let Some(assist) = &mut self.assist {
                     let goal = controller.goal();
@@ -296,11 +323,13 @@ impl Run {
             let row = (t * trace.rate_hz).round() as usize;
             fall::at_row(&trace, controller.model(), row)
         });
+        let verdict = Verdict::of(&trace, fall.clone(), self.diverged.as_ref().map(ToString::to_string));
         let added = plan.added_damping(1.0 / (trace.rate_hz * trace.substeps as f64));
         Outcome {
             sagging: controller.sagging(),
             fell_s: self.fell_s,
             fall,
+            verdict,
             leg_tension: plan.leg_tension.clone(),
             diverged: self.diverged,
             stiffness,

@@ -6,7 +6,7 @@
 use std::sync::Arc;
 
 use bodies::Character;
-use controllers::Controller;
+use controllers::{Controller, Rest};
 use dynamics::{ContactSample, Disturbed, Momentum, RootMode, State, Trace, Wrench};
 use motion::Vec3;
 
@@ -180,7 +180,7 @@ fn record_joints(t: &mut Trace, step: &Stepped<'_>) {
     }
     for (i, b) in model.bodies.iter().enumerate() {
         let drive = &controller.drives()[i];
-        if drive.stiffness == 0.0 {
+        if drive.rest == Rest::None {
             continue;
         }
         let torque = drive.torque(b, engine.q(), engine.v());

@@ -164,6 +164,7 @@ fn wave() -> Pass {
         tilts: Vec::new(),
         pushes: Vec::new(),
         carried: Vec::new(),
+        past_fall: false,
     }
 }
 

@@ -31,7 +31,7 @@ use crate::open::open as open_take;
 use crate::results::figures::strip_view;
 use crate::slides::Slides;
 use crate::take::{ClipSource, Source};
-use crate::{Ask, TakeError, is_ron};
+use crate::{Ask, Take, TakeError, is_ron};
 
 /// Why a motion cannot be opened or analysed.
 #[derive(Debug, thiserror::Error)]
@@ -197,41 +197,45 @@ fn of_take(
     let ask = Ask { body: body.map(Path::to_owned), import: *import, ..Ask::default() };
     let take = open_take(path, &ask)?;
     take.check_performable()?;
-    let physics = take.conditions.physics;
-    let path = path.to_owned();
-    let (name, character, gravity) = (take.name, take.body.character, physics.gravity);
-    let (colors, view) = (take.body.colors, strip_view(&take.strip));
-    Ok(match take.source {
-        // as captured, before edits, limits and plants
-        Source::Clip(source) if take.log.edits().is_empty() => AnalysisInput {
-            given: source.map.clip_to_character(&source.clip, &character.skeleton),
-            // the take's floor is made to stand on; the analysis looks for the one walked on
-            ground: FloorChoice::Detect,
-            friction: None,
-            source: AnalysisSource::Clip(source),
-            name,
-            path,
-            character,
-            gravity,
-            colors,
-            view,
-        },
-        Source::Clip(_) | Source::Script | Source::Retarget(_) => AnalysisInput {
-            given: take.asked.clip,
-            ground: physics.ground.map_or(FloorChoice::None, |g| FloorChoice::At(g.height_m)),
-            friction: physics.ground.map(|g| g.friction),
-            source: AnalysisSource::Scene,
-            name,
-            path,
-            character,
-            gravity,
-            colors,
-            view,
-        },
-    })
+    Ok(AnalysisInput::of(take, path.to_owned()))
 }
 
 impl AnalysisInput {
+    /// The motion of a take that was opened from `path`: of a clip without edits as captured, else as asked for.
+    pub fn of(take: Take, path: PathBuf) -> Self {
+        let physics = take.conditions.physics;
+        let captured = take.is_captured();
+        let (name, character, gravity) = (take.name, take.body.character, physics.gravity);
+        let (colors, view) = (take.body.colors, strip_view(&take.strip));
+        match take.source {
+            Source::Clip(source) if captured => Self {
+                given: source.map.clip_to_character(&source.clip, &character.skeleton),
+                // the take's floor is made to stand on; the analysis looks for the one walked on
+                ground: FloorChoice::Detect,
+                friction: None,
+                source: AnalysisSource::Clip(source),
+                name,
+                path,
+                character,
+                gravity,
+                colors,
+                view,
+            },
+            Source::Clip(_) | Source::Script | Source::Retarget(_) => Self {
+                given: take.asked.clip,
+                ground: physics.ground.map_or(FloorChoice::None, |g| FloorChoice::At(g.height_m)),
+                friction: physics.ground.map(|g| g.friction),
+                source: AnalysisSource::Scene,
+                name,
+                path,
+                character,
+                gravity,
+                colors,
+                view,
+            },
+        }
+    }
+
     /// Inverse dynamics of the motion.
     ///
     /// # Errors

@@ -14,14 +14,15 @@ use bodies::anthropometry::BodyReport;
 use bodies::pose_map::PoseMap;
 use controllers::{Dense, Goal, Reactive, Setup, Tunable};
 use dynamics::conditions::RootMode;
+use dynamics::verdict::{Reason, Verdict};
 use edits::EditLog;
 use formats::bvh::ImportReport;
 use motion::stance::Stance;
-use motion::{Clip, ContactPlan, Plant, Shape, TimeMap, Tracks};
+use motion::{Clip, ContactPlan, Kinematics, Plant, Shape, TimeMap, Tracks};
 use retarget::contacts::Phase;
 use scenes::StripSpec;
 use scenes::TuneSpec;
-use sim::Pass;
+use sim::{Outcome, Pass};
 
 use crate::Conditions;
 use crate::ignored::Ignored;
@@ -130,6 +131,9 @@ pub struct Take {
     pub files: Vec<PathBuf>,
 }
 
+/// Planted feet higher over the ground than this stand in the air, m.
+const NEAR_M: f64 = 0.1;
+
 /// Control steps per second of a script that says nothing about it, Hz.
 pub(crate) const USUAL_RATE_HZ: f64 = 240.0;
 
@@ -145,6 +149,11 @@ impl Take {
             Source::Clip(source) => Some(source),
             Source::Script | Source::Retarget(_) => None,
         }
+    }
+
+    /// Whether it is a clip as it was captured, without edits.
+    pub fn is_captured(&self) -> bool {
+        self.clip_source().is_some() && self.log.edits().is_empty()
     }
 
     /// Whether it is performed by transitions from pose to pose.
@@ -178,7 +187,7 @@ impl Take {
                 tracks: self.asked.tracks.clone(),
                 dense: self.asked.dense.clone(),
                 tension: p.tension,
-                plants: if held { Vec::new() } else { self.asked.plants.clone() },
+                plants: if held || !self.has_ground() { Vec::new() } else { self.asked.plants.clone() },
                 ground_m: if held { None } else { p.ground.map(|g| g.height_m) },
                 balance: p.balance,
                 blend: p.blend,
@@ -192,7 +201,28 @@ impl Take {
             tilts: c.tilts.clone(),
             pushes: c.pushes.clone(),
             carried: c.carried.clone(),
+            past_fall: p.past_fall,
         }
+    }
+
+    /// Whether the ground is under the planted feet as the motion begins. Where it is not, they are limbs in the air.
+    fn has_ground(&self) -> bool {
+        let Some(ground) = self.conditions.physics.ground else { return false };
+        let c = &self.body.character;
+        let k = Kinematics::new(&c.skeleton, self.asked.clip.pose(0));
+        let planted = |name: &str| self.asked.plants.iter().any(|p| p.limb.name == name);
+        let soles = c.leg_soles().into_iter().filter(|(limb, _)| planted(&limb.name));
+        let points = soles.flat_map(|(_, sole)| sole.points(&k).collect::<Vec<_>>());
+        let lowest = points.map(|p| ground.up.dot(&(p - ground.pivot()))).fold(f64::INFINITY, f64::min);
+        lowest < NEAR_M || lowest == f64::INFINITY
+    }
+
+    /// How its motion was performed: the verdict on the run, and the keys of the script that cannot act.
+    pub fn verdict(&self, outcome: &Outcome) -> Verdict {
+        let mut verdict = outcome.verdict.clone();
+        let ignored = self.asked.ignored.iter().map(ToString::to_string).collect();
+        verdict.reasons.extend(Reason::ignored(ignored));
+        verdict
     }
 
     /// A clip of the character at the frame rate.

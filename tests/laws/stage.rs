@@ -53,6 +53,7 @@ pub fn follow(c: &Arc<Character>, clip: &Clip, gravity: Vec3, tension: f64, rate
         tilts: Vec::new(),
         pushes: Vec::new(),
         carried: Vec::new(),
+        past_fall: false,
     }
 }
 
@@ -142,6 +143,7 @@ pub fn perform(c: &Arc<Character>, tracks: &Tracks, root: RootMode, rate_hz: f64
         tilts: Vec::new(),
         pushes: Vec::new(),
         carried: Vec::new(),
+        past_fall: false,
     }
 }
 

@@ -23,15 +23,16 @@ fn slow_every_scene_stands_with_and_without_edits() {
             let report = Report::of(take, Some(&out), &[]);
             let d = report.dynamic.as_ref().unwrap();
             assert!(!d.fell && d.diverged.is_none(), "{name}: {d:?}");
+            println!("{name}: {}", d.verdict.text);
             // kinematic feet are planted to rounding: 1e-12 mm seen
             assert!(report.kinematic.feet.slip_mm_max < 1e-3, "{name}: {:?}", report.kinematic.feet);
             assert!(d.feet.penetration_mm_max < 2.0, "{name}: {:?}", d.feet);
             let contact = &d.contact;
             assert!(contact.friction_used_max <= 1.0, "{name}: {contact:?}");
             // over the still end; 0.02 % seen
-            assert!((contact.vertical_end_percent_bw - 100.0).abs() < 0.5, "{name}: {contact:?}");
+            assert!((contact.vertical_end_percent_bw.unwrap() - 100.0).abs() < 0.5, "{name}: {contact:?}");
             // 0.25 % seen, in the crescendo of the twist
-            assert!(d.root.residual_force_rms_percent_bw < 0.5, "{name}: {:?}", d.root);
+            assert!(d.root.residual_force_rms_percent_bw.unwrap() < 0.5, "{name}: {:?}", d.root);
         }
     }
 }

@@ -50,6 +50,7 @@ fn slow_the_document_names_every_field() {
     // empty lists of the clip's run
     for list in [
         "dynamic.sagging[]",
+        "dynamic.verdict.reasons[]",
         "dynamic.leg_tension[]",
         "dynamic.gazes[]",
         "disturbances.pushes[]",

@@ -17,6 +17,7 @@ mod script;
 use std::sync::Arc;
 
 use bodies::Character;
+use dynamics::conditions::LEAST_GRAVITY;
 use dynamics::{Carrying, Model, State};
 use motion::plant::Plant;
 use motion::{Range, Tracks, Vec3};
@@ -162,7 +163,14 @@ const LEG_TENSION: Range = Range { lo: 0.6, hi: 2.0 };
 
 impl Plan {
     /// Plans the whole motion of a body that knows what it will carry, and when: scale, redirections, loads of all poses.
-    pub fn new(setup: Setup, known: &[Carrying]) -> Self {
+    ///
+    /// Where gravity does not press the body on the ground ([`LEAST_GRAVITY`]) nothing can stand: feet are then limbs as
+    /// others are.
+    pub fn new(mut setup: Setup, known: &[Carrying]) -> Self {
+        if -setup.gravity.y < LEAST_GRAVITY {
+            setup.plants.clear();
+            setup.ground_m = None;
+        }
         let character = &setup.character;
         let models = models(character, setup.gravity, known);
         let model = &models[0].model;

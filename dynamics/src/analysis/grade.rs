@@ -137,6 +137,14 @@ mod tests {
     }
 
     #[test]
+    fn residuals_of_nothing_and_of_zeros_are_zero_and_good() {
+        for wrench in [&[][..], &[0.0; 18]] {
+            assert_eq!(Residual::of(wrench), Residual::default());
+            assert_eq!(Residual::of(wrench).grade(), Grade::Good);
+        }
+    }
+
+    #[test]
     fn peak_and_rms_have_known_values() {
         let r = Residual::of(&[3.0, 4.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0, 2.0, 0.0, 0.0]);
         assert_eq!((r.force_peak, r.force_frame), (5.0, 0));

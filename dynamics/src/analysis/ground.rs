@@ -3,7 +3,10 @@
 //! In: corners of the soles, their heights and speeds, a required wrench. Out: an admissible wrench per
 //! foot. Every frame is computed by itself. The floor is the plane y = `h`; that of a treadmill moves.
 //!
-//! *Contact.* A corner at height z above the ground and with speed u touches by
+//! *Soles.* Points no farther apart than [`SPACING_M`] along the edges, corners included. Toes are welded: in a foot that rolls
+//! over its ball the tips are under the ground, and the sole reaches from them back to where it leaves the ground.
+//!
+//! *Contact.* A point of a sole at height z above the ground and with speed u touches by
 //! `α = s(z/height) · s(u/speed)`, where s falls from 1 at ½ to 0 at 1 (cubic); of these the foot's
 //! contact is made. The fall is gradual, so that forces begin and end without jumps.
 //!
@@ -21,18 +24,24 @@
 //! \[HC96\] Howe, Cutkosky. Practical force-motion models for sliding manipulation, IJRR 1996 (elliptic limit
 //! surface).
 
+use bodies::Character;
 use motion::support::ground as plane;
-use motion::{Clip, Floor, Sole, Support, Vec3, smoothstep};
+use motion::{Clip, Derivatives, Floor, Sole, Support, Vec3, smoothstep};
 use nalgebra::Matrix3;
 
 use super::AnalysisOptions;
 use crate::{Model, State, Wrench};
 
-/// Distance outside the support polygon that counts as a violation, m.
+/// Distance outside the support polygon that counts as a violation, m; more where noise moves the centre of pressure by more
+/// ([`super::NoiseFloor::pressure`]).
 pub const COP_SLACK: f64 = 1e-3;
 /// Least vertical force that has a centre of pressure, as a share of body weight: below, the noise of the
 /// moment moves it by decimetres.
 pub const LEAST_LOAD: f64 = 0.1;
+/// Least force that is judged, per mass, m/s²: what is left of a body in free fall by rounding and the ends of a clip.
+const LEAST_PULL: f64 = 0.01;
+/// Distance of the points along the edges of a sole, m: half a ball's length.
+pub const SPACING_M: f64 = 0.04;
 /// Least touch α of a corner.
 const LEAST_TOUCH: f64 = 1e-3;
 
@@ -215,6 +224,9 @@ impl FloorReaction {
         let Some(Floor { height_m: height, friction, .. }) = self.floor else { return out };
         self.touch(model, state, soles, s, height);
         out.flight = !s.feet.iter().any(|f| f.contact);
+        if force.norm() <= LEAST_PULL * model.mass {
+            return out; // the motion needs no force: neither pushed nor pulled
+        }
 
         let normal = force.y;
         let wanted =
@@ -291,7 +303,7 @@ fn fade(x: f64) -> f64 {
 }
 
 /// Point of the ground at which the wrench (`force`, `moment_com` about `com`) has no horizontal moment.
-fn pressure_center(com: Vec3, force: Vec3, moment_com: Vec3, height: f64) -> Vec3 {
+pub(crate) fn pressure_center(com: Vec3, force: Vec3, moment_com: Vec3, height: f64) -> Vec3 {
     // with d = com − c: moment + d × force has no x and no z
     let up = com.y - height;
     let dz = (moment_com.x + up * force.z) / force.y;
@@ -350,6 +362,15 @@ pub fn pressures(at: &[Vec3], touch: &[f64], aim: Vec3, share: &mut [f64]) -> Ve
         center += p * *w;
     }
     center
+}
+
+/// Height of the ground on which a clip was captured, m, as [`super::analyze`] finds it; `None` without soles. Its speeds are
+/// those of parabolas over a fifteenth of a second instead of a smoothed clip's.
+pub fn height_under(character: &Character, clip: &Clip, contact: &Contact) -> Option<f64> {
+    let model = Model::new(character, Vec3::zeros());
+    let mut state = State::new(&model);
+    let v = Derivatives::new(clip, 1.0 / 15.0).v;
+    detect(&model, &mut state, &character.soles(), clip, &v, contact)
 }
 
 /// Height of the ground under a clip; see [`FloorChoice::Detect`]. `None` without corners.

@@ -293,7 +293,7 @@ pub fn analyze(
     let noise = NoiseFloor::of(&model, &mut state, &smoothed);
     let Smoothed { clip, derivatives, report, .. } = smoothed;
     let ends = Ends::of(&com, clip.rate_hz, report.cutoff_hz, model.mass);
-    let soles = character.soles();
+    let soles = character.edged_soles(ground::SPACING_M);
     let (v, vd) = (derivatives.v, derivatives.vd);
     let reaction = FloorReaction::new(&model, &mut state, &soles, &clip, &v, options);
     let (frames, nv) = (clip.frames(), model.nv());
@@ -364,8 +364,10 @@ pub fn analyze(
             foot.push(now);
         }
         if a.ends.graded.contains(&k) {
+            let height = momentum.com.y - reaction.floor.map_or(0.0, |f| f.height_m);
+            let slack = a.noise.pressure(height) / force.y.max(f64::MIN_POSITIVE);
             a.friction_violations.record(k, given.cone, 1.0);
-            a.support_violations.record(k, given.outside, ground::COP_SLACK);
+            a.support_violations.record(k, given.outside, slack.max(ground::COP_SLACK));
         }
     }
     a.graded = Residual::over(&a.residual, a.ends.graded.clone());

@@ -28,7 +28,16 @@ pub struct NoiseFloor {
     pub moment: [f64; 3],
 }
 
+/// Standard deviations of noise within which a centre of pressure may be anywhere.
+const DEVIATIONS: f64 = 2.0;
+
 impl NoiseFloor {
+    /// Moment by which noise may move the centre of pressure of a body whose centre of mass is `height` (m) over the ground,
+    /// N·m: over the vertical force it is the distance. Noise of the horizontal force acts at that height.
+    pub fn pressure(&self, height: f64) -> f64 {
+        DEVIATIONS * (self.force * height.max(0.0)).hypot(self.moment[0].max(self.moment[2]))
+    }
+
     /// Of a smoothed clip; the report's strength must be that of the centre of mass.
     pub fn of(model: &Model, state: &mut State, smoothed: &Smoothed) -> Self {
         let nv = model.nv();

@@ -6,6 +6,7 @@ use motion::Clip;
 use motion::skeleton::vec_at;
 
 use crate::analysis::Contact;
+use crate::analysis::ground::SPACING_M;
 use crate::{Analysis, ContactSample, Model, RootMode, State, Trace};
 use bodies::Character;
 
@@ -27,6 +28,7 @@ pub fn trace_of(character: &Arc<Character>, given: &Clip, a: &Analysis) -> Trace
     let mut momentum = Vec::with_capacity(6 * rows);
     let root = skeleton.links()[0].joint.nv();
     let near = Contact::default().height_m;
+    let soles = character.edged_soles(SPACING_M);
     for row in 0..rows {
         state.update(&model, a.clip.pose(row), &a.v[row * nv..(row + 1) * nv]);
         torque[row * nv..row * nv + root].fill(0.0);
@@ -37,10 +39,9 @@ pub fn trace_of(character: &Arc<Character>, given: &Clip, a: &Analysis) -> Trace
         for foot in a.feet.iter().filter(|f| f.contact[row] && f.share[row] > 0.0) {
             let (point, force) = (vec_at(&foot.cop, 3 * row), foot.force_at(row));
             contacts.push(ContactSample { row, link: foot.link, point, force, depth: -foot.height[row] });
-            let body = model.body_of[foot.link].0;
-            let sites = character.contacts.iter().map(|&c| &skeleton.sites()[c]);
-            for site in sites.filter(|s| model.body_of[s.link].0 == body) {
-                let point = state.point(&model, site.link, &site.at);
+            let sole = soles.iter().filter(|s| s.link == foot.link);
+            for (link, at) in sole.flat_map(|s| &s.corners) {
+                let point = state.point(&model, *link, at);
                 let height = point.y - a.ground_m.unwrap_or(0.0);
                 if height < near {
                     let force = motion::Vec3::zeros();

@@ -62,6 +62,7 @@ impl Check<'_> {
             gravity: self.vec3("world.gravity_m_s2", ron.world.gravity_m_s2)?,
             ground: self.ground(&ron.world.ground.0)?,
             balance: self.balance(&ron.balance)?,
+            past_fall: false,
         };
         if let RootRon::Fidelity(f) = ron.root.0 {
             set_fidelity(&mut physics, self.within("root", f, 0.0, 1.0, "")?, self.character);

@@ -17,6 +17,7 @@ use sim::{EngineEntry, PassError};
 use dynamics::RootMode;
 use takes::Take;
 use takes::results::report::{DynamicReport, Report};
+use takes::results::verdict_report::VerdictReport;
 
 /// Fidelities of a curve that asks for none.
 pub const FIDELITIES: [f64; 10] = [0.0, 0.05, 0.1, 0.15, 0.2, 0.3, 0.4, 0.55, 0.75, 1.0];
@@ -32,12 +33,12 @@ pub struct ParetoPoint {
     pub moment_budget_nm: f64,
     /// RMS of the assist's force, N; zero when free.
     pub force_rms_n: f64,
-    /// That over body weight, %.
-    pub force_rms_percent_bw: f64,
+    /// That over body weight, %; null without weight.
+    pub force_rms_percent_bw: Option<f64>,
     /// Its peak, N.
     pub force_peak_n: f64,
-    /// That over body weight, %.
-    pub force_peak_percent_bw: f64,
+    /// That over body weight, %; null without weight.
+    pub force_peak_percent_bw: Option<f64>,
     /// RMS of its moment, N·m.
     pub moment_rms_nm: f64,
     /// Peak of its moment, N·m.
@@ -48,6 +49,8 @@ pub struct ParetoPoint {
     pub position_rms_mm: f64,
     /// RMS angle to the motion asked for, over all joints but wrists, degrees.
     pub joint_rms_deg: f64,
+    /// How it was performed.
+    pub verdict: VerdictReport,
     /// When the body fell, s; null if it stands.
     pub fell_at_s: Option<f64>,
     /// Why the run stopped early; null if it did not.
@@ -75,14 +78,15 @@ impl ParetoPoint {
             force_budget_n,
             moment_budget_nm,
             force_rms_n: help(r.residual_force_rms_n),
-            force_rms_percent_bw: help(r.residual_force_rms_percent_bw),
+            force_rms_percent_bw: r.residual_force_rms_percent_bw.map(help),
             force_peak_n: help(r.residual_force_peak_n),
-            force_peak_percent_bw: help(r.residual_force_peak_percent_bw),
+            force_peak_percent_bw: r.residual_force_peak_percent_bw.map(help),
             moment_rms_nm: help(r.residual_moment_rms_nm),
             moment_peak_nm: help(r.residual_moment_peak_nm),
             impulse_ns: help(r.impulse_ns),
             position_rms_mm: d.position_rms_mm,
             joint_rms_deg: d.joint_rms_deg,
+            verdict: d.verdict.clone(),
             fell_at_s: d.fell_at_s,
             diverged: d.diverged.clone(),
             efficient: false,
@@ -174,14 +178,15 @@ mod tests {
             force_budget_n: 0.0,
             moment_budget_nm: 0.0,
             force_rms_n: force,
-            force_rms_percent_bw: 0.0,
+            force_rms_percent_bw: Some(0.0),
             force_peak_n: 0.0,
-            force_peak_percent_bw: 0.0,
+            force_peak_percent_bw: Some(0.0),
             moment_rms_nm: 0.0,
             moment_peak_nm: 0.0,
             impulse_ns: 0.0,
             position_rms_mm: error,
             joint_rms_deg: 0.0,
+            verdict: VerdictReport { grade: "", text: String::new(), reasons: Vec::new() },
             fell_at_s: fell,
             diverged: None,
             efficient: false,

@@ -48,9 +48,9 @@ fn figure(curve: &Pareto) -> plots::Figure {
         .iter()
         .map(|p| TradePoint {
             fidelity: p.fidelity,
-            force_rms_percent: p.force_rms_percent_bw,
-            force_peak_percent: p.force_peak_percent_bw,
-            budget_percent: 100.0 * p.force_budget_n / curve.weight_n.max(1e-12),
+            force_rms_percent: p.force_rms_percent_bw.unwrap_or(f64::NAN),
+            force_peak_percent: p.force_peak_percent_bw.unwrap_or(f64::NAN),
+            budget_percent: 100.0 * p.force_budget_n / curve.weight_n,
             error_mm: p.position_rms_mm,
             error_deg: p.joint_rms_deg,
             stands: p.stands(),

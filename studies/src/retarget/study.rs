@@ -163,12 +163,17 @@ fn agreement(session: &Session) -> Agreement {
     }
 }
 
-/// Rank of every value, from 0; equal values in the order given.
+/// Rank of every value, from 0; equal values share the mean of their ranks.
 fn ranks(v: &[f64]) -> Vec<f64> {
     let mut order: Vec<usize> = (0..v.len()).collect();
     order.sort_by(|&a, &b| v[a].total_cmp(&v[b]));
     let mut ranks = vec![0.0; v.len()];
-    order.into_iter().enumerate().for_each(|(rank, i)| ranks[i] = rank as f64);
+    let mut first = 0;
+    for equal in order.chunk_by(|&a, &b| v[a] == v[b]) {
+        let mean = first as f64 + 0.5 * (equal.len() - 1) as f64;
+        equal.iter().for_each(|&i| ranks[i] = mean);
+        first += equal.len();
+    }
     ranks
 }
 
@@ -293,4 +298,20 @@ fn median(mut v: Vec<f64>) -> f64 {
     v.sort_by(f64::total_cmp);
     let m = v.len() / 2;
     if v.len().is_multiple_of(2) { 0.5 * (v[m - 1] + v[m]) } else { v[m] }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Values that are all equal have no order to agree on; nothing has none either.
+    #[test]
+    fn there_is_no_correlation_where_nothing_differs() {
+        let of = |a: &[f64], b: &[f64]| correlation(&ranks(a), &ranks(b));
+        assert_eq!(of(&[], &[]), 0.0);
+        assert_eq!(of(&[0.0; 4], &[0.0; 4]), 0.0);
+        assert_eq!(of(&[0.0; 3], &[1.0, 2.0, 3.0]), 0.0);
+        assert_eq!(ranks(&[2.0, 1.0, 2.0, 0.0]), [2.5, 1.0, 2.5, 0.0]);
+        assert!((of(&[1.0, 5.0, 9.0], &[2.0, 3.0, 7.0]) - 1.0).abs() < 1e-12);
+    }
 }

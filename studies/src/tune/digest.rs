@@ -303,7 +303,9 @@ fn gaze(d: &mut Digest, gaze: &Gaze) {
 }
 
 fn physics(d: &mut Digest, physics: &Physics) {
-    let Physics { rate_hz, substeps, tension, blend, root, gravity, ground, balance: settings } = physics;
+    let Physics { rate_hz, substeps, tension, blend, root, gravity, ground, balance: settings, past_fall } =
+        physics;
+    d.count(usize::from(*past_fall));
     d.option(rate_hz.as_ref(), |d, x| d.number(*x));
     d.option(substeps.as_ref(), |d, n| d.count(*n));
     d.number(*tension);

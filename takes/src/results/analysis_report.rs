@@ -310,10 +310,59 @@ impl AnalysisReport {
         serde_json::to_string_pretty(self).unwrap_or_default() + "\n"
     }
 
+    /// In words: is this motion physically plausible, and what is not.
+    pub fn verdict(&self) -> String {
+        let mut faults = Vec::new();
+        let residual = &self.residual;
+        if residual.force_grade != "good" {
+            let (peak, at) = (residual.force_peak_n, residual.force_peak_at_s);
+            let noise = noise(peak, self.smoothing.force_noise_n);
+            faults.push(format!("unexplained force up to {peak:.0} N at {at:.2} s{noise}"));
+        }
+        if residual.moment_grade != "good" {
+            let (peak, at) = (residual.moment_peak_nm, residual.moment_peak_at_s);
+            let noise = noise(peak, self.smoothing.moment_noise_nm);
+            faults.push(format!("unexplained moment up to {peak:.0} N·m at {at:.2} s{noise}"));
+        }
+        if self.friction.frames > 0 {
+            faults.push(format!(
+                "feet would slide in {:.0} % of the frames",
+                at_least_one(self.friction.share)
+            ));
+        }
+        if self.support.frames > 0 {
+            let (worst, share) = (self.support.worst_mm, at_least_one(self.support.share));
+            faults.push(format!("centre of pressure up to {worst:.0} mm outside the soles in {share:.0} %"));
+        }
+        let verdict = match (self.is_good(), self.plausible.as_str()) {
+            _ if self.ends.too_short => "TOO SHORT to say whether it is plausible",
+            (true, _) => "physically plausible",
+            (_, "acceptable") => "nearly plausible",
+            _ => "NOT PHYSICALLY PLAUSIBLE as it is",
+        };
+        match faults.is_empty() {
+            true => verdict.to_owned(),
+            false => {
+                let but = if self.is_good() { ", but " } else { ": " };
+                format!("{verdict}{but}{}", faults.join("; "))
+            }
+        }
+    }
+
     /// Whether the grade is good.
     pub fn is_good(&self) -> bool {
         self.plausible == Grade::Good.to_string()
     }
+}
+
+/// Says so where a peak may be noise only: within three standard deviations.
+fn noise(peak: f64, deviation: f64) -> &'static str {
+    if peak <= 3.0 * deviation { " (no larger than noise may be)" } else { "" }
+}
+
+/// A share as percent that does not round to nothing.
+fn at_least_one(share: f64) -> f64 {
+    (100.0 * share).max(1.0)
 }
 
 /// Runs of consecutive frames.

@@ -127,6 +127,19 @@ pub struct FallReport {
     pub cause_at_s: Option<f64>,
     /// All margins lost for good, in order of loss.
     pub losses: Vec<LossReport>,
+    /// What the motion or the world brought that made it fall, in order of time.
+    pub triggers: Vec<TriggerReport>,
+}
+
+/// What made a body fall, see [`dynamics::trigger`].
+#[derive(Clone, Debug, Serialize)]
+pub struct TriggerReport {
+    /// `pressure outside the soles`, `pushed`, `tilted ground`, `no legs` or `no ground under the feet`.
+    pub trigger: &'static str,
+    /// When it began, s.
+    pub from_s: f64,
+    /// In words.
+    pub text: String,
 }
 
 /// A margin lost.
@@ -155,6 +168,11 @@ impl FallReport {
             cause: fall.cause().map(|l| l.margin.name().to_owned()),
             cause_at_s: fall.cause().map(|l| l.time_s),
             losses: fall.losses.iter().map(loss).collect(),
+            triggers: fall
+                .triggers
+                .iter()
+                .map(|t| TriggerReport { trigger: t.name(), from_s: t.from_s(), text: t.to_string() })
+                .collect(),
         }
     }
 }

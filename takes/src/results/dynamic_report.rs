@@ -16,10 +16,15 @@ use crate::results::disturbance_report::{FallReport, LegTensionReport};
 use crate::results::feet::{FeetReport, feet};
 use crate::results::gaze_report::GazeReport;
 use crate::results::root_report::RootWrench;
+use crate::results::verdict_report::VerdictReport;
 
 /// The motion performed.
 #[derive(Clone, Debug, Serialize)]
 pub struct DynamicReport {
+    /// How it was performed.
+    pub verdict: VerdictReport,
+    /// Time of the last step that counts, s: the end, the fall, or where the run stopped.
+    pub performed_s: f64,
     /// Control steps per second, Hz.
     pub rate_hz: f64,
     /// Engine substeps per control step.
@@ -110,10 +115,10 @@ pub struct RootReport {
     pub impulse_ns: f64,
     /// Integral of that moment's magnitude, N·m·s.
     pub moment_impulse_nms: f64,
-    /// RMS force over body weight, %.
-    pub residual_force_rms_percent_bw: f64,
-    /// Peak force over body weight, %.
-    pub residual_force_peak_percent_bw: f64,
+    /// RMS force over body weight, %; null without weight.
+    pub residual_force_rms_percent_bw: Option<f64>,
+    /// Peak force over body weight, %; null without weight.
+    pub residual_force_peak_percent_bw: Option<f64>,
     /// The budget of an assisted root; null for others.
     pub budget: Option<BudgetReport>,
 }
@@ -123,8 +128,8 @@ pub struct RootReport {
 pub struct BudgetReport {
     /// Largest force allowed, N.
     pub force_n: f64,
-    /// That over body weight, %.
-    pub force_percent_bw: f64,
+    /// That over body weight, %; null without weight.
+    pub force_percent_bw: Option<f64>,
     /// Largest moment allowed, N·m.
     pub moment_nm: f64,
     /// Share of the time at the force's limit, 0 to 1.
@@ -138,8 +143,9 @@ pub struct BudgetReport {
 pub struct ContactForceReport {
     /// Mean vertical force, N.
     pub vertical_mean_n: f64,
-    /// Mean vertical force over the last half second, % of the weight of the body and what it then carries.
-    pub vertical_end_percent_bw: f64,
+    /// Mean vertical force over the last half second, % of the weight of the body and what it then carries; null without
+    /// weight.
+    pub vertical_end_percent_bw: Option<f64>,
     /// Largest vertical force, N.
     pub vertical_peak_n: f64,
     /// Largest ratio of friction to normal force at a foot carrying more than 5 % of body weight.
@@ -169,7 +175,7 @@ const BRIEF: f64 = 0.1;
 impl DynamicReport {
     /// Numbers of a take and what came of it.
     pub fn new(take: &Take, o: &Outcome) -> Self {
-        let t = &o.trace;
+        let t = &*o.performed();
         let c = &take.body.character;
         let clip = &t.clip();
         let target = t.target_clip();
@@ -178,8 +184,10 @@ impl DynamicReport {
             errors.iter().filter(|e| c.classes[e.link] != JointClass::Wrist).collect();
         let mut worst = counted.clone();
         worst.sort_by(|a, b| b.rms_deg.total_cmp(&a.rms_deg));
-        let simulated = t.rows().saturating_sub(1) as f64 / t.rate_hz;
+        let simulated = o.trace.rows().saturating_sub(1) as f64 / t.rate_hz;
         Self {
+            verdict: VerdictReport::new(&take.verdict(o)),
+            performed_s: t.rows().saturating_sub(1) as f64 / t.rate_hz,
             rate_hz: t.rate_hz,
             substeps: t.substeps,
             tension: take.conditions.physics.tension,
@@ -218,7 +226,8 @@ impl DynamicReport {
                 .collect(),
             support_margin_mm_min: support_margin(t),
             root: root(take, t, c.mass()),
-            feet: feet(take, clip, Some(t)).into(),
+            // a clip whose root is pinned touches no ground
+            feet: t.ground_m.map_or_else(|| feet(take, clip), |_| dynamics::feet::performed(t)).into(),
             contact: contact(t),
             sagging: sagging(take, o),
             leg_tension: o
@@ -277,7 +286,7 @@ fn root(take: &Take, t: &Trace, mass: f64) -> RootReport {
     let rms = |x: &[f64]| (x.iter().map(|x| x * x).sum::<f64>() / n).sqrt();
     let peak = |x: &[f64]| x.iter().copied().fold(0.0, f64::max);
     let sum = |x: &[f64]| x.iter().sum::<f64>() / rate_hz;
-    let percent = |x: f64| 100.0 * x / (mass * t.gravity.norm()).max(1e-12);
+    let percent = |x: f64| percent(x, mass * t.gravity.norm());
     let at_limit = |x: &[f64], most: f64| x.iter().filter(|x| **x >= most * (1.0 - 1e-9)).count() as f64 / n;
     let budget = match t.root {
         RootMode::Assisted { force_n, moment_nm } => Some(BudgetReport {
@@ -305,12 +314,17 @@ fn root(take: &Take, t: &Trace, mass: f64) -> RootReport {
     }
 }
 
+/// A force over a weight, %; `None` without weight.
+pub(crate) fn percent(force: f64, weight: f64) -> Option<f64> {
+    (weight > 0.0).then(|| 100.0 * force / weight)
+}
+
 fn contact(t: &Trace) -> ContactForceReport {
     let sums = t.contact_sums();
     let weight = t.character.mass() * t.gravity.norm();
     let rows = sums.len();
     let mean = |s: &[Vec3]| s.iter().map(|f| f.y).sum::<f64>() / s.len().max(1) as f64;
-    let last = ((0.5 * t.rate_hz) as usize).clamp(1, rows.max(1));
+    let last = ((0.5 * t.rate_hz) as usize).max(1).min(rows);
     let mut used: f64 = 0.0;
     let mut i = 0;
     while i < t.contacts.len() {
@@ -322,16 +336,52 @@ fn contact(t: &Trace) -> ContactForceReport {
         }
         let up = t.ground_up(row);
         let normal = sum.dot(&up);
-        if normal > 0.05 * weight {
+        if weight > 0.0 && normal > 0.05 * weight {
             used = used.max((sum - up * normal).norm() / normal);
         }
     }
     ContactForceReport {
         // row 0 has no forces yet
         vertical_mean_n: mean(&sums[1.min(rows)..]),
-        vertical_end_percent_bw: 100.0 * mean(&sums[rows - last..])
-            / (t.mass_at(rows.saturating_sub(1)) * t.gravity.norm()).max(1e-12),
+        vertical_end_percent_bw: percent(
+            mean(&sums[rows - last..]),
+            t.mass_at(rows.saturating_sub(1)) * t.gravity.norm(),
+        ),
         vertical_peak_n: sums.iter().map(|f| f.y).fold(0.0, f64::max),
         friction_used_max: used,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{Ask, Engines};
+
+    /// A run of one row, without weight or contact, has numbers: zeros, and null where a share of nothing is asked for.
+    #[test]
+    fn numbers_of_a_run_in_which_nothing_happened() {
+        assert_eq!((percent(3.0, 0.0), percent(0.0, 0.0), percent(1.0, 4.0)), (None, None, Some(25.0)));
+        let ron = "Scene(character: \"characters/human.ron\", rate_hz: 60, settle_s: 0.1,
+            world: (gravity_m_s2: (0, 0, 0), ground: None))";
+        let input = crate::Input::Text { ron: ron.into(), base: support::root().join("scenes") };
+        let take = crate::open(input, &Ask::default()).unwrap();
+        let mut out = take.outcome(&Engines::default(), &mut |_| {}).unwrap();
+        for rows in [out.trace.rows(), 1] {
+            out.trace = out.trace.cut(0..rows);
+            let d = DynamicReport::new(&take, &out);
+            let numbers = [
+                d.joint_rms_deg,
+                d.position_rms_mm,
+                d.root.residual_force_rms_n,
+                d.contact.vertical_mean_n,
+                d.contact.friction_used_max,
+            ];
+            assert!(numbers.iter().all(|x| x.abs() < 1e-6), "{numbers:?}");
+            assert_eq!((d.support_margin_mm_min, d.contact.vertical_end_percent_bw), (None, None));
+            assert_eq!(
+                (d.root.residual_force_rms_percent_bw, d.root.residual_force_peak_percent_bw),
+                (None, None)
+            );
+        }
     }
 }

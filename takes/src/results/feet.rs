@@ -1,9 +1,11 @@
 //! How feet moved over the ground, level or tilted.
 //!
-//! In: a clip of a take's body, and where the ground turned its trace. Out: slip, skating, penetration and float, as
-//! [`motion::metrics::feet`] measures them. On tilted ground the clip is measured as it looks where the ground is level.
+//! In: a clip of a take's body. Out: slip, skating, penetration and float, as [`motion::metrics::feet`] measures them; those of a
+//! run are measured by [`dynamics::feet`]. On tilted ground the clip is measured as it looks where the ground is level.
 
-use dynamics::Trace;
+use dynamics::RootMode;
+use dynamics::analysis::Contact;
+use dynamics::analysis::ground::height_under;
 use motion::metrics::{self, FeetMetrics};
 use motion::skeleton::quat_at;
 use motion::{Clip, Floor, Joint, Vec3};
@@ -34,17 +36,26 @@ impl From<FeetMetrics> for FeetReport {
     }
 }
 
-/// How the feet moved over the ground: as it begins, or as a trace of the clip's rate has it.
-pub(crate) fn feet(take: &Take, clip: &Clip, trace: Option<&Trace>) -> FeetMetrics {
+/// How the feet of a motion of a take's body move over its ground as it begins.
+pub(crate) fn feet(take: &Take, clip: &Clip) -> FeetMetrics {
     let c = &take.body.character;
     let sites: Vec<_> = c.contacts.iter().map(|&i| &c.skeleton.sites()[i]).collect();
-    let Some(ground) = take.conditions.physics.ground else { return metrics::feet(clip, &sites, 0.0) };
-    let up = |frame: usize| trace.map_or(ground.up, |t| t.ground_up(frame));
-    if ground.up == Vec3::y() && !trace.is_some_and(Trace::ground_turns) {
+    let Some(ground) = walked_on(take) else { return metrics::feet(clip, &sites, 0.0) };
+    if ground.up == Vec3::y() {
         return metrics::feet(clip, &sites, ground.height_m);
     }
-    let levelled = levelled(clip, |frame| Floor { up: up(frame), ..ground });
-    metrics::feet(&levelled, &sites, ground.height_m)
+    metrics::feet(&levelled(clip, |_| ground), &sites, ground.height_m)
+}
+
+/// The ground under the feet of a motion. That of a take is made to be stood on; a captured clip whose root is pinned touches
+/// none, and its feet are measured over the ground on which it was captured, as an analysis finds it.
+fn walked_on(take: &Take) -> Option<Floor> {
+    let ground = take.conditions.physics.ground?;
+    if !take.is_captured() || take.conditions.physics.root != RootMode::Pinned {
+        return Some(ground);
+    }
+    let height = height_under(&take.body.character, &take.asked.clip, &Contact::default());
+    Some(height.map_or(ground, |height_m| Floor { height_m, ..ground }))
 }
 
 /// A clip as it looks where tilted ground, given for every frame, is level.

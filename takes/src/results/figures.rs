@@ -65,7 +65,17 @@ fn strip_of_run(take: &Take, outcome: &Outcome) -> Figure {
         StripRow::new("kinematic", &take.asked.clip).on(&up),
         StripRow::new("dynamic", &performed).on(&outcome.trace.disturbed.ground_up),
     ];
-    film_strip_with(&rows, &take.body.character, &note(take, outcome), &options(take))
+    film_strip_with(&rows, &take.body.character, &note(take, outcome), &until(options(take), take, outcome))
+}
+
+/// The same up to the end of a run that ended early: afterwards nothing was performed.
+fn until(options: StripOptions, take: &Take, outcome: &Outcome) -> StripOptions {
+    let end_s = outcome.trace.rows().saturating_sub(1) as f64 / outcome.trace.rate_hz;
+    if end_s + 1.0 / take.asked.clip.rate_hz > take.asked.clip.duration_s() {
+        return options;
+    }
+    let to_s = options.to_s.map_or(end_s, |t| t.min(end_s));
+    StripOptions { from_s: options.from_s.min(to_s), to_s: Some(to_s), ..options }
 }
 
 /// Normal of the ground as the motion asked for has it.

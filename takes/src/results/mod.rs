@@ -3,6 +3,7 @@
 //! | module | holds |
 //! |---|---|
 //! | [`report`], [`dynamic_report`] | the numbers of a run, those of the motion performed |
+//! | [`verdict_report`] | how it was performed, in words and with numbers |
 //! | [`mod@write`] | a performed take as a folder |
 //! | [`disturbance_report`] | disturbances and falls, as reports give them |
 //! | [`gaze_report`] | how far gazes missed |
@@ -22,6 +23,7 @@ pub mod folder;
 pub mod gaze_report;
 pub mod report;
 mod root_report;
+pub mod verdict_report;
 pub mod write;
 
 /// A number as short as it may be: three digits after the point at most.

@@ -12,10 +12,12 @@ use serde::Serialize;
 use sim::Outcome;
 
 use crate::Take;
+use crate::analysis::{AnalysisInput, AnalysisSettings};
 use crate::ignored::Ignored;
 use crate::limited::Limited;
 use crate::perform::{Performed, PerformedSpan};
 use crate::possible::Shifted;
+use crate::results::analysis_report::AnalysisReport;
 use crate::results::disturbance_report::DisturbanceReport;
 pub use crate::results::dynamic_report::DynamicReport;
 use crate::results::feet::{FeetReport, feet};
@@ -35,6 +37,9 @@ pub struct Report {
     /// How the clip was read; absent for a scene.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub clip: Option<ClipReport>,
+    /// Whether the clip as captured is physically plausible, as `analyze` says; absent for a scene and an edited clip.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub plausibility: Option<PlausibilityReport>,
     /// The body.
     pub character: CharacterReport,
     /// The motion asked for.
@@ -87,6 +92,40 @@ impl ClipReport {
             body_guessed: source.body.is_some(),
             read: import.to_string().lines().map(|l| l.trim().to_owned()).collect(),
             body_notes: source.body.as_ref().map_or_else(Vec::new, |b| b.notes.clone()),
+        })
+    }
+}
+
+/// Whether a clip is physically plausible: the main numbers of its analysis.
+#[derive(Clone, Debug, Serialize)]
+pub struct PlausibilityReport {
+    /// `good`, `acceptable` or `poor`.
+    pub grade: String,
+    /// In words.
+    pub text: String,
+    /// Largest travel of a point of a sole while it is down, mm.
+    pub slip_mm_max: Option<f64>,
+    /// Share of the frames with the centre of pressure outside the soles, 0 to 1.
+    pub outside_soles_share: f64,
+    /// Share of the frames without contact, 0 to 1.
+    pub flight_share: f64,
+}
+
+impl PlausibilityReport {
+    /// Of a captured clip; `None` for other motions, and where it cannot be analysed.
+    fn new(take: &Take) -> Option<Self> {
+        if !take.is_captured() {
+            return None;
+        }
+        let input = AnalysisInput::of(take.clone(), take.files.first().cloned().unwrap_or_default());
+        let analysis = input.analyze(&AnalysisSettings::default()).ok()?;
+        let r = AnalysisReport::new(&input, &analysis);
+        Some(Self {
+            text: r.verdict(),
+            slip_mm_max: r.ground.feet.map(|f| f.slip_mm_max),
+            outside_soles_share: r.support.share,
+            flight_share: r.flight.share,
+            grade: r.plausible,
         })
     }
 }
@@ -270,6 +309,7 @@ impl Report {
             rate_hz: take.asked.clip.rate_hz,
             duration_s: take.asked.clip.duration_s(),
             clip: take.clip_source().and_then(ClipReport::new),
+            plausibility: PlausibilityReport::new(take),
             character: CharacterReport {
                 name: c.name.clone(),
                 links: c.skeleton.links().len(),
@@ -277,7 +317,7 @@ impl Report {
                 mass_kg: c.mass(),
             },
             kinematic: KinematicReport {
-                feet: feet(take, &take.asked.clip, None).into(),
+                feet: feet(take, &take.asked.clip).into(),
                 jerk_rms_m_s3: jerk,
                 jerk_ratio: if plain_jerk > 0.0 { jerk / plain_jerk } else { 1.0 },
                 clamped_frames: take.asked.clamped,

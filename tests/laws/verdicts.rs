@@ -1,0 +1,62 @@
+//! Verdicts on motions that were made without knowing of them: what is said of each is what happened.
+
+use std::path::{Path, PathBuf};
+
+use dynamics::verdict::{Grade, Verdict};
+use takes::{Ask, Engines, Input, Take};
+
+/// A scene of `../shared/cases`, as if it lay among the project's.
+fn case(name: &str) -> Take {
+    let path: PathBuf = support::shared("cases/scenes").join(name);
+    let ron = std::fs::read_to_string(&path).unwrap();
+    let base: &Path = &support::root().join("scenes");
+    takes::open(Input::Text { ron, base: base.to_owned() }, &Ask::default())
+        .unwrap_or_else(|e| panic!("{name}: {e}"))
+}
+
+fn verdict(name: &str) -> Verdict {
+    let take = case(name);
+    let out = take.outcome(&Engines::default(), &mut |_| {}).unwrap();
+    let verdict = take.verdict(&out);
+    println!("{name}: {verdict}");
+    verdict
+}
+
+fn has(verdict: &Verdict, reason: &str) -> bool {
+    verdict.reasons.iter().any(|r| r.name() == reason)
+}
+
+/// A wave and a bow are performed as asked. Whoever slides, hops or lands hard is told so, with a number beyond its limit.
+#[test]
+fn slow_verdicts_are_graded() {
+    let good = verdict("wave_bow.ron");
+    assert_eq!(good.grade(), Grade::AsAsked, "{good}");
+    assert_eq!(good.to_string(), "performed as asked, the body stands");
+    let kick = verdict("kick_planted.ron");
+    assert_eq!(kick.grade(), Grade::But, "{kick}");
+    assert!(has(&kick, "keys ignored") && kick.to_string().contains("planted"), "{kick}");
+    let hops = verdict("push_door.ron");
+    assert_ne!(hops.grade(), Grade::AsAsked, "{hops}");
+    for reason in &hops.reasons {
+        assert!(reason.value > reason.limit, "{reason:?}");
+    }
+}
+
+/// A push that topples is named as what made the body fall; so is a motion that asks for the impossible.
+#[test]
+fn slow_a_fall_names_what_brought_it() {
+    let pushed = verdict("fall20.ron");
+    assert_eq!(pushed.grade(), Grade::Fell);
+    assert!(pushed.to_string().contains("it is pushed by 60.0 N·s from 0.50 s"), "{pushed}");
+    assert!(!has(&pushed, "momentum unexplained"), "{pushed}");
+    // a trunk that bends by 70° over legs that stay: no balance holds that
+    let ron = "Scene(character: \"characters/human.ron\", script: [Action(name: \"lean\", start_s: 0.5, cycles: [Cycle(poses: [
+        Pose(duration_s: 0.3, hold_s: 1.0, set_deg: { \"pelvis\": (80, 0, 0), \"abdomen\": (40, 0, 0), \"chest\": (40, 0, 0) }, set_m: { \"pelvis_z\": 0.4 })])])])";
+    let input = Input::Text { ron: ron.into(), base: support::root().join("scenes") };
+    let take = takes::open(input, &Ask::default()).unwrap();
+    let out = take.outcome(&Engines::default(), &mut |_| {}).unwrap();
+    let said = out.verdict.to_string();
+    println!("lean: {said}");
+    assert_eq!(out.verdict.grade(), Grade::Fell, "{said}");
+    assert!(said.contains("asks for the centre of pressure"), "{said}");
+}
