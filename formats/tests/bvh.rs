@@ -519,6 +519,10 @@ fn bad_text_is_refused_with_its_place() {
             "`1e999` is not a finite number\n  --> 10:1".into(),
         ),
         (
+            &format!("{HEAD}MOTION\nFrames: 1\nFrame Time: 0.01\n-2e12\n"),
+            "`-2e12` is too large a number; allowed: up to 1e12 either way\n  --> 10:1".into(),
+        ),
+        (
             &format!("{HEAD}MOTION\nFrames: 1\nFrame Time: 0.01\n0,5\n"),
             "`0,5` is not a number; numbers are decimal and white space stands between them\n  --> 10:1".into(),
         ),

@@ -204,7 +204,8 @@ fn npz_holds_the_analysis() {
     let mut out = std::io::Cursor::new(Vec::new());
     write_npz(&a, &mut out).unwrap();
     let mut zip = zip::ZipArchive::new(out).unwrap();
-    let names: Vec<String> = zip.file_names().map(|n| n.trim_end_matches(".npy").to_owned()).collect();
+    let names: Vec<String> =
+        zip.file_names().map(|n| n.unwrap().trim_end_matches(".npy").to_owned()).collect();
     let mut numbers = |name: &str| {
         let array = npyz::NpyFile::new(zip.by_name(&format!("{name}.npy")).unwrap()).unwrap();
         (array.shape().to_vec(), array.into_vec::<f64>().unwrap())

@@ -180,7 +180,8 @@ fn units_name_arrays() {
 
 fn units_name_arrays_of(trace: &Trace) {
     let mut npz = ZipArchive::new(Cursor::new(bytes(trace))).unwrap();
-    let names: Vec<String> = npz.file_names().map(|n| n.trim_end_matches(".npy").to_owned()).collect();
+    let names: Vec<String> =
+        npz.file_names().map(|n| n.unwrap().trim_end_matches(".npy").to_owned()).collect();
     let units = NpyFile::new(npz.by_name("units.npy").unwrap()).unwrap().into_vec::<String>().unwrap();
     let listed: Vec<&String> = units.iter().step_by(2).collect();
     for name in &listed {

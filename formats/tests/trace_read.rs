@@ -10,7 +10,7 @@ use dynamics::{ContactSample, Disturbed, Handed, RootMode, Trace};
 use formats::TraceFileError;
 use formats::trace_npz;
 use motion::{Joint, Range, Shape, Vec3};
-use zip::write::FileOptions;
+use zip::write::SimpleFileOptions;
 use zip::{CompressionMethod, ZipArchive, ZipWriter};
 
 /// Tilted ground, a push, and a crate for three rows.
@@ -155,12 +155,12 @@ fn changed(change: impl FnOnce(&mut BTreeMap<String, Vec<u8>>)) -> Vec<u8> {
         let mut entry = archive.by_index(i).unwrap();
         let mut data = Vec::new();
         entry.read_to_end(&mut data).unwrap();
-        arrays.insert(entry.name().to_owned(), data);
+        arrays.insert(entry.name().unwrap().into_owned(), data);
     }
     change(&mut arrays);
     let mut zip = ZipWriter::new(Cursor::new(Vec::new()));
     for (name, data) in &arrays {
-        let stored = FileOptions::default().compression_method(CompressionMethod::Stored);
+        let stored = SimpleFileOptions::default().compression_method(CompressionMethod::Stored);
         zip.start_file(name.as_str(), stored).unwrap();
         zip.write_all(data).unwrap();
     }

@@ -311,14 +311,19 @@ impl Figure {
     /// The figure as the bytes of a PNG file.
     ///
     /// # Errors
-    /// `Io`, `Size` or `Draw`.
+    /// `Size`, or `Draw` if the backend or the encoder fails.
     pub fn png(&self) -> Result<Vec<u8>, FigureError> {
-        let name = format!("contrapposto-{}-{:p}.png", std::process::id(), self);
-        let path = std::env::temp_dir().join(name);
-        self.save_png(&path)?;
-        let bytes = std::fs::read(&path);
-        let _ = std::fs::remove_file(&path);
-        bytes.map_err(|source| FigureError::Io { path, source })
+        let pixels = self.pixels()?;
+        let mut bytes = Vec::new();
+        let mut encoder = png::Encoder::new(&mut bytes, self.width as u32, self.height as u32);
+        encoder.set_color(png::ColorType::Rgb);
+        encoder.set_depth(png::BitDepth::Eight);
+        let written = encoder.write_header().and_then(|mut image| {
+            image.write_image_data(&pixels)?;
+            image.finish()
+        });
+        written.map_err(|e| draw_error(Path::new("png"), e))?;
+        Ok(bytes)
     }
 
     /// Writes the figure as PNG, under a temporary name first.
@@ -327,12 +332,9 @@ impl Figure {
     /// `Io`, `Size` or `Draw`; an earlier file stays whole.
     pub fn save_png(&self, path: &Path) -> Result<(), FigureError> {
         let temporary = temporary(path);
-        let (pixels, size) = (self.pixels()?, (self.width as u32, self.height as u32));
-        let mut backend = BitMapBackend::new(&temporary, size);
-        let written = backend.blit_bitmap((0, 0), size, &pixels).and_then(|()| backend.present());
-        // a backend that is dropped unsaved saves again: drop it before the file moves
-        drop(backend);
-        replace(&temporary, path, written.map_err(|e| draw_error(path, e)))
+        let written = std::fs::write(&temporary, self.png()?);
+        let io = |source| FigureError::Io { path: path.to_owned(), source };
+        replace(&temporary, path, written.map_err(io))
     }
 
     fn fine_size(&self) -> (u32, u32) {
@@ -438,7 +440,7 @@ fn error_text(e: impl std::fmt::Display) -> String {
     e.to_string()
 }
 
-/// A hidden name beside a file, of the same kind: the encoder goes by the ending.
+/// A hidden name beside a file.
 fn temporary(path: &Path) -> PathBuf {
     let stem = path.file_stem().unwrap_or_default().to_string_lossy();
     let kind = path.extension().unwrap_or_default().to_string_lossy();

@@ -30,7 +30,7 @@ struct ContactsRon {
 }
 
 /// Names of a puppet's contact points.
-fn points(puppet: &Puppet) -> impl Iterator<Item = &str> {
+pub fn points(puppet: &Puppet) -> impl Iterator<Item = &str> {
     let sites = puppet.character.skeleton.sites();
     puppet.contacts.iter().map(|c| sites[c.site].name.as_str())
 }

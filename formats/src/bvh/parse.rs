@@ -88,6 +88,12 @@ pub enum BvhFault {
         /// The word found.
         found: String,
     },
+    /// Beyond [`LARGEST`].
+    #[error("{found} is too large a number; allowed: up to 1e12 either way")]
+    TooLarge {
+        /// The word found.
+        found: String,
+    },
     /// A frame count that is no count.
     #[error("Frames: {found}; expected a whole number, 0 or more")]
     FrameCount {
@@ -137,6 +143,9 @@ fn rows(values: usize, channels: usize, odd_line: Option<(usize, usize)>) -> Str
     }
     text
 }
+
+/// Largest number read: lengths in the file's unit, or degrees.
+const LARGEST: f64 = 1e12;
 
 impl Bvh {
     /// Reads a file's bytes; names that are not UTF-8 get replacement characters.
@@ -360,8 +369,8 @@ impl Reader<'_> {
             else {
                 return Err(self.bad_number(i));
             };
-            if !value.is_finite() {
-                return Err((i, BvhFault::NotFinite { found: self.shown(i) }));
+            if !is_usual(value) {
+                return Err((i, self.unusual(i, value)));
             }
             if values.len() == stated {
                 let values = stated + count_words(&text[i..]);
@@ -406,11 +415,17 @@ impl Reader<'_> {
         else {
             return Err(self.bad_number(at));
         };
-        if !value.is_finite() {
-            return Err((at, BvhFault::NotFinite { found: self.shown(at) }));
+        if !is_usual(value) {
+            return Err((at, self.unusual(at, value)));
         }
         self.at = end;
         Ok(value)
+    }
+
+    /// What is wrong with a number that [`is_usual`] refuses.
+    fn unusual(&self, at: usize, value: f64) -> BvhFault {
+        let found = self.shown(at);
+        if value.is_finite() { BvhFault::TooLarge { found } } else { BvhFault::NotFinite { found } }
     }
 
     fn bad_number(&self, at: usize) -> Fault {
@@ -490,6 +505,11 @@ impl Reader<'_> {
             text.chars().map(|c| if c.is_control() { '\u{fffd}' } else { c }).take(40).collect();
         if short.len() < text.len() { format!("`{short}…`") } else { format!("`{short}`") }
     }
+}
+
+/// Whether a number is one that a motion can have: finite, and no larger than what is still finite in any unit and any sum.
+fn is_usual(value: f64) -> bool {
+    value.abs() <= LARGEST
 }
 
 fn is_white(c: u8) -> bool {

@@ -395,7 +395,7 @@ struct Arrays<R: Read + Seek>(ZipArchive<R>);
 impl<R: Read + Seek> Arrays<R> {
     fn has(&self, name: &str) -> bool {
         let file = format!("{name}.npy");
-        self.0.file_names().any(|f| f == file)
+        self.0.file_names().any(|f| f.is_ok_and(|f| f == file))
     }
 
     fn array(&mut self, name: &'static str) -> Result<(Vec<usize>, Npy), TraceFileError> {

@@ -6,7 +6,7 @@ use std::path::Path;
 use motion::names::Word;
 use motion::{Joint, Skeleton, Vec3};
 use npyz::{AutoSerialize, DType, WriteOptions, WriterBuilder};
-use zip::write::FileOptions;
+use zip::write::SimpleFileOptions;
 use zip::{CompressionMethod, DateTime, ZipWriter};
 
 use super::body::{self, joint_type};
@@ -261,7 +261,7 @@ impl<W: Write + Seek> Arrays<W> {
         Self(ZipWriter::new(out))
     }
 
-    pub(crate) fn finish(mut self) -> io::Result<()> {
+    pub(crate) fn finish(self) -> io::Result<()> {
         self.0.finish()?.flush()
     }
 
@@ -306,8 +306,8 @@ impl<W: Write + Seek> Arrays<W> {
 }
 
 /// Stored: deflating 6 MB of noise-like mantissas costs more time than it saves space.
-fn options() -> FileOptions {
-    FileOptions::default()
+fn options() -> SimpleFileOptions {
+    SimpleFileOptions::default()
         .compression_method(CompressionMethod::Stored)
         .last_modified_time(DateTime::default())
         .unix_permissions(0o644)
