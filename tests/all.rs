@@ -6,4 +6,3 @@ mod laws;
 mod program;
 mod promises;
 mod scenes;
-mod third_party;

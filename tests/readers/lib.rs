@@ -225,5 +225,6 @@ fn table() -> Vec<u8> {
     let parameters: Vec<_> = controllers::PARAMETERS.iter().take(2).collect();
     let terms = || vec![0.25; studies::tune::TERMS.len()];
     let sample = |x: f64| Sample { values: vec![x, 2.0 * x], cost: x, terms: terms(), survived: 1 };
-    journal::table("a run", &parameters, &[sample(0.5), sample(1.5)]).into_bytes()
+    let samples = [sample(0.5), sample(1.5)];
+    journal::Head::new("a run", &parameters).table(samples.iter().enumerate()).into_bytes()
 }
