@@ -20,6 +20,9 @@ use crate::phase::{Path, Phase, PhaseFrames, rests};
 use crate::result::ContactReport;
 use crate::{Puppet, RetargetError};
 
+/// What is done with a clip after its contacts are placed, in the phases that are kept.
+type Finish<'a> = &'a dyn Fn(&mut Clip, &[Vec<PhaseFrames>]) -> Result<(), RetargetError>;
+
 /// Distance from its place, over the stature, from which on a point does not rest there.
 const MISSED: f64 = 0.002;
 /// Least correction for which a link can be the reason, over the stature.
@@ -63,7 +66,7 @@ pub fn keep(
     found: &[Phase],
     options: &ContactOptions,
     guard: &Guard,
-    finish: &dyn Fn(&mut Clip, &[Vec<PhaseFrames>]) -> Result<(), RetargetError>,
+    finish: Finish,
 ) -> Result<Kept, RetargetError> {
     let spans = phases::frames_of_phases(puppet, found, clip)?;
     let source = point_paths(puppet, clip);

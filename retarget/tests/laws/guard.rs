@@ -70,7 +70,7 @@ fn displacements_stay_within_their_bounds() {
     let all = Bounds { speed: 1e9, acceleration: 1e9, ..Bounds::REFINE };
     let grow = |i: usize| smoothstep(i as f64 / clip.frames() as f64);
     let knee = s.v_at(s.link("LeftLeg").unwrap());
-    let after = moved(&moved(&clip, knee, |i| 2.5 * grow(i)), 0, |i| grow(i));
+    let after = moved(&moved(&clip, knee, |i| 2.5 * grow(i)), 0, grow);
     let held = guard.hold(Step::Refine, (&clip, &before), after, &all);
     let (bound, root) = (all.joint_rad, all.root_share * guard.stature_m());
     let turned = held.report.joint.as_ref().unwrap();
