@@ -157,3 +157,29 @@ fn mjcf_out_and_in_again() {
     let done = place.run(&["convert", "rod.xml", "again.xml", "--rate", "30"]);
     assert_eq!(done.code, 2, "{}", done.stderr);
 }
+
+/// `inspect` answers for a model that others refuse, with what they would leave out; their refusal says it and offers the option.
+#[test]
+fn a_model_with_actuators_is_inspected_and_refused() {
+    let place = place();
+    let more = "</worldbody><actuator><motor name=\"m\" joint=\"hinge\"/></actuator>";
+    place.write("driven.xml", &MODEL.replace("</worldbody>", more));
+    let done = place.run(&["inspect", "driven.xml"]);
+    assert_eq!((done.code, done.stderr.as_str()), (0, ""));
+    for words in
+        ["rod: 2 links, 7 degrees of freedom", "not read, and makes forces: actuator (1)", "driven.xml:12"]
+    {
+        assert!(done.stdout.contains(words), "`{words}` is not in\n{}", done.stdout);
+    }
+    let done = place.run(&["inspect", "driven.xml", "--json"]);
+    let v = json(&done);
+    assert_eq!((&v["kind"], &v["dynamics_only"]), (&"model".into(), &true.into()));
+    let refused = place.run(&["convert", "driven.xml", "out.xml"]);
+    assert_eq!(refused.code, 2, "{}", refused.stderr);
+    for words in ["`rod` (2 links, 7 degrees of freedom", "actuator (1)", "--dynamics-only", "driven.xml:12"]
+    {
+        assert!(refused.stderr.contains(words), "`{words}` is not in\n{}", refused.stderr);
+    }
+    let done = place.run(&["convert", "driven.xml", "out.xml", "--dynamics-only"]);
+    assert_eq!(done.code, 0, "{}", done.stderr);
+}
