@@ -114,6 +114,13 @@ def masses(path):
         quat = body.get("quat")
         if quat:
             rotation = times(rotation, of_quaternion(*(float(x) for x in quat.split())))
+        hinge = body.find("joint[@type='hinge']")
+        if hinge is not None and hinge.get("ref"):
+            # the body lies as it stands, its hinge at `ref` (rad): back to the zero pose
+            half = -0.5 * float(hinge.get("ref"))
+            x, y, z = (float(a) for a in hinge.get("axis").split())
+            s = math.sin(half) / math.sqrt(x * x + y * y + z * z)
+            rotation = times(rotation, of_quaternion(math.cos(half), s * x, s * y, s * z))
         inertial = body.find("inertial")
         if inertial is not None:
             centre = tuple(float(x) for x in inertial.get("pos").split())

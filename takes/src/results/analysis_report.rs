@@ -14,7 +14,7 @@ use serde::Serialize;
 
 use crate::analysis::{AnalysisInput, AnalysisSource};
 use crate::results::feet::FeetReport;
-use crate::results::report::{CharacterReport, ClipReport};
+use crate::results::subject_report::{CharacterReport, ClipReport};
 
 /// All numbers of an analysis.
 #[derive(Clone, Debug, Serialize)]

@@ -23,6 +23,7 @@ pub mod folder;
 pub mod gaze_report;
 pub mod report;
 mod root_report;
+pub mod subject_report;
 pub mod verdict_report;
 pub mod write;
 

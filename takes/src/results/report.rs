@@ -4,9 +4,7 @@
 //! serialises to JSON. Every unit is in its field's name. The schema is documented in `docs/REPORT.md`:
 //! fields are only ever added.
 
-use formats::bvh::Chosen;
 use motion::metrics;
-use motion::names::Word;
 use motion::stance::StanceSpan;
 use serde::Serialize;
 use sim::Outcome;
@@ -21,7 +19,7 @@ use crate::results::analysis_report::AnalysisReport;
 use crate::results::disturbance_report::DisturbanceReport;
 pub use crate::results::dynamic_report::DynamicReport;
 use crate::results::feet::{FeetReport, feet};
-use crate::take::ClipSource;
+use crate::results::subject_report::{CharacterReport, ClipReport};
 
 /// All numbers of a run.
 #[derive(Clone, Debug, Serialize)]
@@ -58,44 +56,6 @@ pub struct Report {
     pub files: std::collections::BTreeMap<String, String>,
 }
 
-/// How a clip was read: what its file does not say.
-#[derive(Clone, Debug, Serialize)]
-pub struct ClipReport {
-    /// Metres in one unit of the file.
-    pub metres_per_unit: f64,
-    /// Where that comes from: `stated`, `guessed` or `unsure`.
-    pub units: &'static str,
-    /// Vertical axis of the file, `Y` or `Z`.
-    pub up: String,
-    /// Where that comes from.
-    pub up_axis: &'static str,
-    /// Whether the first frame is an inserted T-pose: dropped, kept, or null if it is none.
-    pub t_pose_dropped: Option<bool>,
-    /// Whether the body was guessed.
-    pub body_guessed: bool,
-    /// What was read, guessed and repaired, in words.
-    pub read: Vec<String>,
-    /// What was guessed of the body that a person may want to overrule, in words.
-    pub body_notes: Vec<String>,
-}
-
-impl ClipReport {
-    /// Of a clip that was read from a file; `None` for one from memory, of which nothing was guessed.
-    pub(crate) fn new(source: &ClipSource) -> Option<Self> {
-        let import = source.import.as_ref()?;
-        Some(Self {
-            metres_per_unit: import.units.metres_per_unit,
-            units: chosen(import.units.chosen),
-            up: import.up.axis.identifier(),
-            up_axis: chosen(import.up.chosen),
-            t_pose_dropped: import.t_pose.map(|t| t.dropped),
-            body_guessed: source.body.is_some(),
-            read: import.to_string().lines().map(|l| l.trim().to_owned()).collect(),
-            body_notes: source.body.as_ref().map_or_else(Vec::new, |b| b.notes.clone()),
-        })
-    }
-}
-
 /// Whether a clip is physically plausible: the main numbers of its analysis.
 #[derive(Clone, Debug, Serialize)]
 pub struct PlausibilityReport {
@@ -127,15 +87,6 @@ impl PlausibilityReport {
             flight_share: r.flight.share,
             grade: r.plausible,
         })
-    }
-}
-
-/// `stated`, `guessed` or `unsure`.
-pub(crate) fn chosen(by: Chosen) -> &'static str {
-    match by {
-        Chosen::Stated => "stated",
-        Chosen::Guessed => "guessed",
-        Chosen::Unsure => "unsure",
     }
 }
 
@@ -180,19 +131,6 @@ impl SpanReport {
 /// Folder of the `k`th standing span, counted from 0.
 pub fn span_folder(k: usize) -> String {
     format!("span_{}", k + 1)
-}
-
-/// The body.
-#[derive(Clone, Debug, Serialize)]
-pub struct CharacterReport {
-    /// Its name.
-    pub name: String,
-    /// Links.
-    pub links: usize,
-    /// Degrees of freedom, root included.
-    pub dof: usize,
-    /// Mass, kg.
-    pub mass_kg: f64,
 }
 
 /// The motion asked for.

@@ -10,7 +10,7 @@ use retarget::{MappingModel, PipelineStage, Retargeted};
 use serde::Serialize;
 
 use super::Session;
-use super::stage_report::{self, FlightNumbers, StageNumbers};
+use super::stage_report::{self, FlightNumbers, PhaseNumbers, StageNumbers};
 
 /// All numbers of a run.
 #[derive(Clone, Debug, Serialize)]
@@ -109,17 +109,6 @@ pub struct ContactNumbers {
     pub penetration_mm: f64,
     /// Jerk near phase ends over that of the mapped motion.
     pub jerk_ratio: f64,
-}
-
-/// A contact phase.
-#[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct PhaseNumbers {
-    /// The contact point.
-    pub point: String,
-    /// Beginning, s.
-    pub from_s: f64,
-    /// End, s.
-    pub to_s: f64,
 }
 
 /// Parts that followed by dynamics.

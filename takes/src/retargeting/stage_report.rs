@@ -6,7 +6,16 @@ use motion::names::Word;
 use retarget::{FlightReport, PipelineStage, Retargeted, StepReport};
 use serde::Serialize;
 
-use super::report::PhaseNumbers;
+/// A contact phase.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct PhaseNumbers {
+    /// The contact point.
+    pub point: String,
+    /// Beginning, s.
+    pub from_s: f64,
+    /// End, s.
+    pub to_s: f64,
+}
 
 /// How far a stage moved the motion from the stage before, and how far it may.
 #[derive(Clone, Debug, PartialEq, Serialize)]
