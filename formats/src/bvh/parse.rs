@@ -88,7 +88,7 @@ pub enum BvhFault {
         /// The word found.
         found: String,
     },
-    /// Beyond [`LARGEST`].
+    /// Beyond 1e12 either way.
     #[error("{found} is too large a number; allowed: up to 1e12 either way")]
     TooLarge {
         /// The word found.

@@ -54,7 +54,7 @@ use super::xml::Element;
 /// Reads an MJCF file and all it includes.
 ///
 /// # Errors
-/// See [`ModelFault`](super::model_file::ModelFault); every message ends in file, line and column.
+/// See [`ModelFault`]; every message ends in file, line and column.
 pub fn read_file(path: &Path) -> Result<ModelFile, ModelFileError> {
     read(path, super::xml::read(path)?)
 }
