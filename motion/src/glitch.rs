@@ -81,7 +81,7 @@ pub fn glitches(clip: &Clip) -> Vec<Glitch> {
 }
 
 /// The clip with its glitches repaired, and all that were found. Where glitches follow one another closely, one hides
-/// the next: it is looked again, at most [`ROUNDS`] times.
+/// the next: it is looked again, at most a few times.
 pub fn mended(clip: &Clip) -> (Clip, Vec<Glitch>) {
     let mut all = glitches(clip);
     let mut found = all.clone();

@@ -18,7 +18,7 @@
 //! | [`timing`] | what muscles know of a written motion |
 //! | [`plant`] | feet that stay where they stand |
 //! | [`shape`] | capsules, boxes, balls |
-//! | [`file`] | reading a file within a limit |
+//! | [`mod@file`] | reading a file within a limit |
 //! | [`fk`] | forward kinematics |
 //! | [`mod@glitch`] | joints that jump as no muscle could make them |
 //! | [`ik`] | two-bone limbs to a target, whole bodies to many; axes of joints |
