@@ -38,6 +38,7 @@ pub mod jacobian;
 pub mod model;
 pub mod penalty;
 pub mod rnea;
+mod spans;
 pub mod trace;
 pub mod trigger;
 pub mod verdict;

@@ -11,12 +11,12 @@
 //! Units: m, s, N·s, rad; level ground.
 
 use std::fmt;
-use std::ops::Range;
 
 use motion::support::ground as plane;
 use motion::{Clip, Derivatives, Sole, Support, Vec3};
 
 use crate::analysis::ground::{SPACING_M, pressure_center};
+use crate::spans::{Span, beyond};
 use crate::{Model, State, Trace};
 
 /// A centre of pressure this far outside the soles asked for cannot be given, m: balance keeps 10 to 20 mm inside, so that
@@ -157,22 +157,15 @@ fn tilted(trace: &Trace, row: usize) -> Option<Trigger> {
 
 fn pressure_outside(trace: &Trace, model: &Model, row: usize) -> Option<Trigger> {
     let outside = asked_outside(trace, model, row + 1);
-    let worst = |span: &Range<usize>| outside[span.clone()].iter().copied().fold(0.0, f64::max);
     let long = (OUTSIDE_S * trace.rate_hz).round().max(1.0) as usize;
-    let mut best: Option<Range<usize>> = None;
-    let mut begin = 0;
-    for r in 0..=outside.len() {
-        if outside.get(r).is_some_and(|x| *x > OUTSIDE_M) {
-            continue;
-        }
-        let span = begin..r;
-        begin = r + 1;
-        if span.len() >= long && best.as_ref().is_none_or(|b| worst(b) < worst(&span)) {
-            best = Some(span);
+    let mut worst: Option<Span> = None;
+    for span in beyond(&outside, OUTSIDE_M, long) {
+        if worst.as_ref().is_none_or(|w| w.largest < span.largest) {
+            worst = Some(span);
         }
     }
-    let span = best?;
-    Some(Trigger::PressureOutside { by_m: worst(&span), from_s: span.start as f64 / trace.rate_hz })
+    let Span { rows, largest } = worst?;
+    Some(Trigger::PressureOutside { by_m: largest, from_s: rows.start as f64 / trace.rate_hz })
 }
 
 /// How far the centre of pressure that the motion asked for needs is outside its soles, m, in the first `rows` rows; zero

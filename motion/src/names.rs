@@ -3,6 +3,9 @@
 //! In: a name and the known ones. Out: the value it names, or the known name at the least edit distance, if it is near
 //! enough to be a slip. Distance counts insertions, deletions, substitutions and swaps of neighbours.
 
+/// The most characters of a text of somebody else's that an error repeats.
+pub const MOST_ECHOED: usize = 200;
+
 /// A word of a file as a message repeats it: at most [`MOST_ECHOED`] characters, control characters escaped.
 ///
 /// # Examples
@@ -73,11 +76,8 @@ pub fn hint<'a>(name: &str, candidates: impl IntoIterator<Item = &'a str>) -> St
     }
 }
 
-/// The most characters of a text of somebody else's that an error repeats.
-pub const MOST_ECHOED: usize = 200;
-
-/// A message in which every text between back quotes has at most [`MOST_ECHOED`] characters; more are cut, with `…` for the
-/// rest. Control characters are written as escapes, so that a file cannot steer the terminal.
+/// A message in which every text between back quotes is as [`echo`] has it. Control characters elsewhere, but for ends of lines, are
+/// written as escapes too, so that a file cannot steer the terminal.
 ///
 /// # Examples
 /// ```
@@ -93,14 +93,13 @@ pub fn brief(message: &str) -> String {
         if i > 0 {
             out.push('`');
         }
-        let quoted = i % 2 == 1;
-        for (n, c) in part.chars().enumerate() {
-            if quoted && n == MOST_ECHOED {
-                out.push('…');
-                break;
-            }
+        if i % 2 == 1 {
+            out += &echo(part);
+            continue;
+        }
+        for c in part.chars() {
             match c {
-                '\n' if !quoted => out.push(c),
+                '\n' => out.push(c),
                 c if c.is_control() => out.extend(c.escape_default()),
                 c => out.push(c),
             }

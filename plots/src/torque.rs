@@ -71,18 +71,17 @@ fn panel(trace: &Excerpt, link: usize, peak: f64, rows: usize, noise: &[f64], st
     let (at, n) = (skeleton.v_at(link), l.joint.nv());
     let unit = if matches!(l.joint, Joint::Prismatic(_)) { "N" } else { "N·m" };
     let floor = noise.get(at..at + n).map(|s| 2.0 * s.iter().copied().fold(0.0, f64::max));
-    let curves = |torque: &[f64]| {
-        let all = signed(trace, torque, link, rows).into_iter().zip(AXES);
-        all.map(|((_, values), color)| Series::over_time(trace.clock(), values, color)).collect::<Vec<_>>()
-    };
-    let mut series = curves(&trace.torque);
+    let curve = |(values, color)| Series::over_time(trace.clock(), values, color);
+    let (names, torques): (Vec<String>, Vec<Vec<f64>>) =
+        signed(trace, &trace.torque, link, rows).into_iter().unzip();
+    let mut series: Vec<Series> = torques.into_iter().zip(AXES).map(curve).collect();
     if stops && trace.stop_torque.len() >= rows * skeleton.nv() {
-        let of_stops =
-            curves(&trace.stop_torque).into_iter().filter(|s| s.points.iter().any(|p| p[1].abs() > 0.0));
-        series.extend(of_stops.map(|s| s.dashed().wide(1.2)));
+        let of_stops = signed(trace, &trace.stop_torque, link, rows).into_iter().map(|(_, values)| values);
+        let of_stops = of_stops.zip(AXES).map(curve);
+        let acts = |s: &Series| s.points.iter().any(|p| p[1].abs() > 0.0);
+        series.extend(of_stops.filter(acts).map(|s| s.dashed().wide(1.2)));
     }
-    let names = signed(trace, &trace.torque, link, rows).into_iter().map(|(name, _)| name);
-    let tags = if n > 1 { names.zip(AXES).collect() } else { Vec::new() };
+    let tags = if n > 1 { names.into_iter().zip(AXES).collect() } else { Vec::new() };
     let per_mass = peak / trace.character.mass();
     Panel {
         title: format!("{} · {} {unit}, {}/kg", l.name, short(peak), short(per_mass)),

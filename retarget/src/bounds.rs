@@ -122,7 +122,7 @@ pub struct StepReport {
 }
 
 impl StepReport {
-    /// Share of a displacement's bound from which on it is said to be at it.
+    /// Share of a bound, of a displacement, a speed or an acceleration, from which on a stage is said to be at it.
     pub const AT_BOUND: f64 = 0.95;
 
     /// Whether a displacement is at its bound.

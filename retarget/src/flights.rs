@@ -14,7 +14,7 @@ use crate::contacts::phases::human_contacts;
 use crate::fit::place_root;
 use crate::global_transform::{MomentumPath, stature};
 use crate::options::ContactOptions;
-use crate::phase::{PhaseFrames, rests};
+use crate::phase::{PhaseFrames, rests, runs};
 use crate::{Performer, Puppet};
 
 /// Share of a flight's height that a stage keeps at least.
@@ -54,12 +54,9 @@ pub fn find(
     let ratio = stature(&puppet.character) / stature(&performer.character).max(1e-9);
     let up = |i: usize| !contacts.iter().any(|c| c[i]);
     let mut out = Vec::new();
-    let mut i = 0;
-    while i < frames {
-        let run = (i..frames).take_while(|&j| up(j) == up(i)).count();
-        let (first, last) = (i, i + run - 1);
-        i += run;
-        if !up(first) || first == 0 || i == frames || ((last - first) as f64) < SHORTEST_S * rate {
+    for flight in runs(0..frames, up) {
+        let PhaseFrames { first, last } = flight;
+        if first == 0 || last + 1 == frames || ((last - first) as f64) < SHORTEST_S * rate {
             continue;
         }
         let rise = |a: usize| (com[a + 1].y - com[a].y) * rate;
@@ -68,7 +65,7 @@ pub fn find(
             continue;
         }
         let height = heights[first..=last].iter().copied().fold(0.0, f64::max);
-        out.push(Flight { frames: PhaseFrames { first, last }, scaled_m: ratio * height });
+        out.push(Flight { frames: flight, scaled_m: ratio * height });
     }
     out
 }
@@ -157,14 +154,10 @@ fn free(flight: &Flight, spans: &[Vec<PhaseFrames>], rate_hz: f64) -> Option<Pha
     let PhaseFrames { first, last } = flight.frames;
     let up = |i: usize| !spans.iter().any(|s| rests(s, i));
     let mut best: Option<PhaseFrames> = None;
-    let mut i = first;
-    while i <= last {
-        let run = (i..=last).take_while(|&j| up(j) == up(i)).count();
-        let longer = best.is_none_or(|b| run > b.last - b.first + 1);
-        if up(i) && longer {
-            best = Some(PhaseFrames { first: i, last: i + run - 1 });
+    for run in runs(first..last + 1, up) {
+        if best.is_none_or(|b| run.last - run.first > b.last - b.first) {
+            best = Some(run);
         }
-        i += run;
     }
     best.filter(|b| (b.last - b.first) as f64 >= SHORTEST_S * rate_hz)
 }

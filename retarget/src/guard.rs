@@ -20,6 +20,7 @@ use motion::{Clip, Derivatives, Joint, Kinematics, Skeleton};
 use crate::Puppet;
 use crate::bounds::{Bounds, Step, StepReport, Turned};
 use crate::global_transform::stature;
+use crate::phase::runs;
 use crate::refine::solids::Solids;
 
 /// Time before and after a frame in which the stage before may have been as fast, s.
@@ -66,7 +67,8 @@ impl Pace {
     }
 }
 
-fn length(v: &[f64]) -> f64 {
+/// Length of a vector.
+pub(crate) fn length(v: &[f64]) -> f64 {
     v.iter().map(|x| x * x).sum::<f64>().sqrt()
 }
 
@@ -383,16 +385,8 @@ pub(crate) fn blended(before: &Clip, after: &Clip, share: &[f64]) -> Clip {
 
 /// Spans of time in which a share is below 1, s.
 fn spans_below_one(share: &[f64], rate_hz: f64) -> Vec<[f64; 2]> {
-    let mut out: Vec<[f64; 2]> = Vec::new();
-    let mut i = 0;
-    while i < share.len() {
-        let run = share[i..].iter().take_while(|s| (**s < 1.0) == (share[i] < 1.0)).count();
-        if share[i] < 1.0 {
-            out.push([i as f64 / rate_hz, (i + run - 1) as f64 / rate_hz]);
-        }
-        i += run;
-    }
-    out
+    let below = runs(0..share.len(), |i| share[i] < 1.0);
+    below.into_iter().map(|s| [s.first as f64 / rate_hz, s.last as f64 / rate_hz]).collect()
 }
 
 #[cfg(test)]

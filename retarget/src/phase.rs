@@ -29,3 +29,15 @@ pub struct PhaseFrames {
 pub fn rests(spans: &[PhaseFrames], frame: usize) -> bool {
     spans.iter().any(|s| (s.first..=s.last).contains(&frame))
 }
+
+/// Runs of frames that are `of` a kind, in order.
+pub fn runs(frames: std::ops::Range<usize>, of: impl Fn(usize) -> bool) -> Vec<PhaseFrames> {
+    let mut out: Vec<PhaseFrames> = Vec::new();
+    for i in frames.filter(|&i| of(i)) {
+        match out.last_mut().filter(|p| p.last + 1 == i) {
+            Some(p) => p.last = i,
+            None => out.push(PhaseFrames { first: i, last: i }),
+        }
+    }
+    out
+}

@@ -12,7 +12,7 @@ use crate::bounds::{Bounds, Step};
 use crate::contacts::{keep, phases};
 use crate::flights::{self, Flight};
 use crate::global_transform::global_transform;
-use crate::guard::Guard;
+use crate::guard::{Guard, length};
 use crate::mapping::{Mapping, map_clip};
 use crate::options::{FlightSpan, PipelineStage};
 use crate::phase::PhaseFrames;
@@ -183,7 +183,7 @@ fn farthest_swing(puppet: &Puppet, before: &Clip, after: &Clip) -> f64 {
         s.difference(before.pose(i), after.pose(i), 1.0, &mut way);
         for &l in puppet.sways.iter().flat_map(|w| &w.links) {
             let of_joint = &way[s.v_at(l)..s.v_at(l) + s.links()[l].joint.nv()];
-            most = most.max(of_joint.iter().map(|x| x * x).sum::<f64>().sqrt());
+            most = most.max(length(of_joint));
         }
     }
     most

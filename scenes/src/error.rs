@@ -174,16 +174,19 @@ impl Source {
         within: &str,
         known: impl IntoIterator<Item = &'a str>,
     ) -> SceneError {
-        let known: Vec<&str> = known.into_iter().collect();
-        match nearest(name, known.iter().copied()) {
-            Some(n) => self.error(at, format!("unknown {kind} `{name}`{within}; did you mean `{n}`?")),
-            None if known.is_empty() => {
-                self.error(at, format!("unknown {kind} `{name}`{within}; there is none"))
-            }
-            None => {
-                let list: Vec<_> = known.iter().map(|n| format!("`{n}`")).collect();
-                self.error(at, format!("unknown {kind} `{name}`{within}; known are {}", list.join(", ")))
-            }
+        self.error(at, format!("unknown {kind} `{name}`{within}; {}", nearest_or_all(name, known)))
+    }
+}
+
+/// The known name that was meant, or all there are.
+fn nearest_or_all<'a>(name: &str, known: impl IntoIterator<Item = &'a str>) -> String {
+    let known: Vec<&str> = known.into_iter().collect();
+    match nearest(name, known.iter().copied()) {
+        Some(n) => format!("did you mean `{n}`?"),
+        None if known.is_empty() => "there is none".into(),
+        None => {
+            let list: Vec<_> = known.iter().map(|n| format!("`{n}`")).collect();
+            format!("known are {}", list.join(", "))
         }
     }
 }
@@ -197,13 +200,7 @@ fn in_library(entry: &Entry) -> String {
 fn message_of(e: &ron::Error) -> String {
     let known = |expected: &[&'static str], found: &str, what: &str, of: &Option<String>| {
         let of = of.as_ref().map_or(String::new(), |name| format!(" of `{name}`"));
-        let names: Vec<String> = expected.iter().map(|n| format!("`{n}`")).collect();
-        let hint = match nearest(found, expected.iter().copied()) {
-            Some(n) => format!("did you mean `{n}`?"),
-            None if names.is_empty() => "there is none".into(),
-            None => format!("known are {}", names.join(", ")),
-        };
-        format!("unknown {what} `{found}`{of}; {hint}")
+        format!("unknown {what} `{found}`{of}; {}", nearest_or_all(found, expected.iter().copied()))
     };
     match e {
         ron::Error::NoSuchStructField { expected, found, outer } => known(expected, found, "field", outer),

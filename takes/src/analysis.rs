@@ -207,33 +207,22 @@ impl AnalysisInput {
         let captured = take.is_captured();
         let (name, character, gravity) = (take.name, take.body.character, physics.gravity);
         let (colors, view) = (take.body.colors, strip_view(&take.strip));
-        match take.source {
-            Source::Clip(source) if captured => Self {
-                given: source.map.clip_to_character(&source.clip, &character.skeleton),
+        let (given, ground, friction, source) = match take.source {
+            Source::Clip(source) if captured => (
+                source.map.clip_to_character(&source.clip, &character.skeleton),
                 // the take's floor is made to stand on; the analysis looks for the one walked on
-                ground: FloorChoice::Detect,
-                friction: None,
-                source: AnalysisSource::Clip(source),
-                name,
-                path,
-                character,
-                gravity,
-                colors,
-                view,
-            },
-            Source::Clip(_) | Source::Script | Source::Retarget(_) => Self {
-                given: take.asked.clip,
-                ground: physics.ground.map_or(FloorChoice::None, |g| FloorChoice::At(g.height_m)),
-                friction: physics.ground.map(|g| g.friction),
-                source: AnalysisSource::Scene,
-                name,
-                path,
-                character,
-                gravity,
-                colors,
-                view,
-            },
-        }
+                FloorChoice::Detect,
+                None,
+                AnalysisSource::Clip(source),
+            ),
+            Source::Clip(_) | Source::Script | Source::Retarget(_) => (
+                take.asked.clip,
+                physics.ground.map_or(FloorChoice::None, |g| FloorChoice::At(g.height_m)),
+                physics.ground.map(|g| g.friction),
+                AnalysisSource::Scene,
+            ),
+        };
+        Self { given, ground, friction, source, name, path, character, gravity, colors, view }
     }
 
     /// Inverse dynamics of the motion.

@@ -27,7 +27,7 @@ use scenes::{ConditionsSpec, TuneSpec, character_file};
 use crate::clip_edits::{self, Clips};
 use crate::conditions::begin_in_time;
 use crate::error::MOST_STEPS;
-use crate::limited::{Limited, limited};
+use crate::limited::within_limits;
 use crate::standing::stance;
 use crate::take::{Asked, Body, ClipSource, Source, Take};
 use crate::{Ask, Conditions, TakeError};
@@ -160,18 +160,6 @@ fn larger(body: &Character, clip: &Clip) -> Option<f64> {
 
 /// Share of a length below which two are the same.
 const SAME_SIZE: f64 = 0.01;
-
-/// Keeps joint limits; also the fraction of the frames that they changed, and which joints.
-pub(crate) fn within_limits(mut clip: Clip) -> (Clip, f64, Vec<Limited>) {
-    let changed = limited(&clip);
-    let skeleton = clip.skeleton.clone();
-    let mut clamped = 0;
-    for f in 0..clip.frames() {
-        clamped += usize::from(skeleton.clamp_to_limits(clip.pose_mut(f)));
-    }
-    let share = clamped as f64 / clip.frames() as f64;
-    (clip, share, changed)
-}
 
 /// The take of a clip. `scene` has edits and pictures, where there is one; `spec` is what it says of conditions.
 pub(crate) fn take(

@@ -18,7 +18,7 @@ use serde::Serialize;
 
 use crate::TakeError;
 use crate::ask::is_ron;
-use crate::results::subject_report::chosen;
+use crate::results::subject_report::DecidedReport;
 use crate::script::{USUAL_FRAMES_HZ, edited_tracks};
 use edits::EditLog;
 use scenes::angle::deg_from_quat;
@@ -214,16 +214,9 @@ pub struct ClipInspection {
     pub rate_hz: f64,
     /// Length, s.
     pub duration_s: f64,
-    /// Metres in one unit of the file.
-    pub metres_per_unit: f64,
-    /// `stated`, `guessed` or `unsure`.
-    pub units: &'static str,
-    /// Vertical axis of the file.
-    pub up: String,
-    /// `stated`, `guessed` or `unsure`.
-    pub up_axis: &'static str,
-    /// Whether the first frame is an inserted T-pose: dropped, kept, or `None` if it is none.
-    pub t_pose_dropped: Option<bool>,
+    /// What its file does not say.
+    #[serde(flatten)]
+    pub decided: DecidedReport,
     /// What was read and guessed, in words.
     pub import: Vec<String>,
     /// Hierarchy: of the guessed body, or bare.
@@ -490,11 +483,7 @@ fn of_clip(
         frames: clip.frames(),
         rate_hz: clip.rate_hz,
         duration_s: clip.duration_s(),
-        metres_per_unit: report.units.metres_per_unit,
-        units: chosen(report.units.chosen),
-        up: report.up.axis.identifier(),
-        up_axis: chosen(report.up.chosen),
-        t_pose_dropped: report.t_pose.map(|t| t.dropped),
+        decided: DecidedReport::new(report),
         import: lines(report.to_string()),
         body: character.map_or_else(|| skeleton("skeleton", &clip.skeleton, clip.pose(0)), body),
         guess: guess.map_or_else(Vec::new, |g| lines(g.to_string())),

@@ -108,6 +108,18 @@ pub fn limited(clip: &Clip) -> Vec<Limited> {
     all
 }
 
+/// Keeps joint limits; also the fraction of the frames that they changed, and which joints.
+pub(crate) fn within_limits(mut clip: Clip) -> (Clip, f64, Vec<Limited>) {
+    let changed = limited(&clip);
+    let skeleton = clip.skeleton.clone();
+    let mut clamped = 0;
+    for f in 0..clip.frames() {
+        clamped += usize::from(skeleton.clamp_to_limits(clip.pose_mut(f)));
+    }
+    let share = clamped as f64 / clip.frames() as f64;
+    (clip, share, changed)
+}
+
 #[cfg(test)]
 mod tests {
     use std::sync::Arc;

@@ -24,7 +24,7 @@ use nalgebra::Point3;
 use scenes::SceneError;
 use scenes::scene::{Scene, ScriptSpec};
 
-use crate::limited::{Limited, limited};
+use crate::limited::{Limited, within_limits};
 
 /// The centre of pressure asked for stays this far inside the soles, m: limbs at natural tension swing past what is asked, and
 /// the balance needs room on both sides. With 3 cm a deep bend over its toes falls.
@@ -93,21 +93,13 @@ impl Sampler<'_> {
     /// their time to the clip's.
     pub(crate) fn finish(
         &self,
-        mut clip: Clip,
+        clip: Clip,
         tracks: &Tracks,
         times: &TimeMap,
     ) -> Result<Finished, SceneError> {
-        let limited = limited(&clip);
         let (frames, rate_hz) = (clip.frames(), clip.rate_hz);
-        let skeleton = self.scene.character.skeleton.clone();
-        let clamped = (0..frames).filter(|&f| skeleton.clamp_to_limits(clip.pose_mut(f))).count();
-        let mut finished = Finished {
-            clip,
-            clamped: clamped as f64 / frames as f64,
-            limited,
-            lowered_m: vec![0.0; frames],
-            shifted: None,
-        };
+        let (clip, clamped, limited) = within_limits(clip);
+        let mut finished = Finished { clip, clamped, limited, lowered_m: vec![0.0; frames], shifted: None };
         if self.plants.is_empty() {
             return Ok(finished);
         }

@@ -46,6 +46,14 @@ pub struct Posed {
     pub feet: [Option<Quat>; 2],
 }
 
+/// Of each leg, left, then right, the foot and the links on it.
+pub(super) fn feet_with_toes(skeleton: &Skeleton, anatomy: &Anatomy) -> [Vec<usize>; 2] {
+    let links = skeleton.links();
+    anatomy
+        .legs
+        .map(|[.., foot]| (0..links.len()).filter(|&i| i == foot || links[i].parent == Some(foot)).collect())
+}
+
 /// Least mean sine of a bend that has an axis: 5°.
 const LEAST_BEND: f64 = 0.087;
 
@@ -57,10 +65,7 @@ impl Posed {
         let mut k = Kinematics::new(&clip.skeleton, &clip.skeleton.zero_pose());
         let limbs = [anatomy.arms, anatomy.legs];
         let (mut sums, mut count) = ([[Vec3::zeros(); 2]; 2], 0.0);
-        let links = clip.skeleton.links();
-        let toes = anatomy.legs.map(|[.., foot]| {
-            (0..links.len()).filter(|&i| i == foot || links[i].parent == Some(foot)).collect::<Vec<usize>>()
-        });
+        let toes = feet_with_toes(&clip.skeleton, anatomy);
         let mut lowest = [(f64::INFINITY, None); 2];
         for frame in frames {
             k.update(&clip.skeleton, clip.pose(frame));

@@ -14,7 +14,7 @@ use std::sync::Arc;
 use motion::{Clip, Joint, Kinematics, Link, Skeleton, Transform};
 
 use super::aliases::{Anatomy, pelvis_below_root};
-use super::frame::{Posed, UP};
+use super::frame::{Posed, UP, feet_with_toes};
 use super::guess::{BodyOptions, BodyReport, GuessError, guess_body};
 use crate::{Character, PoseMap};
 
@@ -59,11 +59,7 @@ pub fn standing_frame(clip: &Clip, anatomy: &Anatomy) -> usize {
     let step = clip.frames().div_ceil(FRAMES).max(1);
     let frames: Vec<usize> = (0..clip.frames()).step_by(step).collect();
     let mut k = Kinematics::new(&clip.skeleton, &clip.skeleton.zero_pose());
-    // ankles, and of every foot what it carries
-    let links = clip.skeleton.links();
-    let mut low: Vec<usize> = anatomy.legs.iter().map(|l| l[2]).collect();
-    low.extend((0..links.len()).filter(|&i| links[i].parent.is_some_and(|p| p == anatomy.legs[0][2])));
-    low.extend((0..links.len()).filter(|&i| links[i].parent.is_some_and(|p| p == anatomy.legs[1][2])));
+    let low = feet_with_toes(&clip.skeleton, anatomy).concat();
     let quick = [
         anatomy.legs[0][2],
         anatomy.legs[1][2],

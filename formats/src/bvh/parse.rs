@@ -14,6 +14,7 @@ use thiserror::Error;
 
 use super::number::scan;
 use super::{Bvh, BvhJoint, Channel};
+use crate::limits::NUMBER;
 
 /// What is wrong and where.
 #[derive(Clone, Debug, PartialEq, Error)]
@@ -143,9 +144,6 @@ fn rows(values: usize, channels: usize, odd_line: Option<(usize, usize)>) -> Str
     }
     text
 }
-
-/// Largest number read: lengths in the file's unit, or degrees.
-const LARGEST: f64 = 1e12;
 
 impl Bvh {
     /// Reads a file's bytes; names that are not UTF-8 get replacement characters.
@@ -509,7 +507,7 @@ impl Reader<'_> {
 
 /// Whether a number is one that a motion can have: finite, and no larger than what is still finite in any unit and any sum.
 fn is_usual(value: f64) -> bool {
-    value.abs() <= LARGEST
+    value.abs() <= NUMBER
 }
 
 fn is_white(c: u8) -> bool {

@@ -16,7 +16,7 @@ use super::{firmness, follow, pace, phases, point_paths, report};
 use crate::bounds::{Bounds, Step, StepReport};
 use crate::guard::{Before, Guard, around, faded};
 use crate::options::ContactOptions;
-use crate::phase::{Path, Phase, PhaseFrames, rests};
+use crate::phase::{Path, Phase, PhaseFrames, rests, runs};
 use crate::result::ContactReport;
 use crate::{Puppet, RetargetError};
 
@@ -122,9 +122,9 @@ pub fn keep(
         for &c in of_link {
             let there = |i: usize| share[l][i] == 1.0 && held.share[i] == 1.0 && !missed[c][i];
             for s in &spans[c] {
-                let mut part = parts(*s, there);
+                let mut part = runs(s.first..s.last + 1, there);
                 part.retain(|p| p.last - p.first + 1 >= FEWEST || (p.first, p.last) == (s.first, s.last));
-                gone[c].extend(parts(*s, |i| !rests(&part, i)));
+                gone[c].extend(runs(s.first..s.last + 1, |i| !rests(&part, i)));
                 kept[c].extend(part);
             }
         }
@@ -189,16 +189,4 @@ fn let_go(
         }
     }
     any
-}
-
-/// Runs of a phase's frames that are `of` a kind.
-fn parts(span: PhaseFrames, of: impl Fn(usize) -> bool) -> Vec<PhaseFrames> {
-    let mut out: Vec<PhaseFrames> = Vec::new();
-    for i in (span.first..=span.last).filter(|&i| of(i)) {
-        match out.last_mut().filter(|p| p.last + 1 == i) {
-            Some(p) => p.last = i,
-            None => out.push(PhaseFrames { first: i, last: i }),
-        }
-    }
-    out
 }

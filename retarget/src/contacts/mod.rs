@@ -30,10 +30,10 @@ use crate::result::ContactReport;
 use crate::{Puppet, RetargetError};
 use ik::ContactIk;
 use paths::held_paths;
-use places::site_paths;
 
 pub use crate::phase::Phase;
 pub use keep::{Kept, keep};
+pub use places::point_paths;
 
 /// Holds the contact points of `clip` in their phases; what else moves, moves as little as it can.
 ///
@@ -47,10 +47,21 @@ pub fn adjust(
     let spans = phases::frames_of_phases(puppet, phases, clip)?;
     let source = point_paths(puppet, clip);
     let goals = held_paths(puppet, &source, &spans, clip.rate_hz);
+    Ok(held(puppet, clip, &source, &goals, &spans))
+}
+
+/// The clip whose points are at their goals in `spans`, and what came of it.
+fn held(
+    puppet: &Puppet,
+    clip: &Clip,
+    source: &[Path],
+    goals: &[Path],
+    spans: &[Vec<PhaseFrames>],
+) -> (Clip, ContactReport) {
     let hold: Vec<Vec<f64>> = spans.iter().map(|s| firmness(s, clip)).collect();
-    let out = follow(puppet, clip, &goals, &hold, &spans);
-    let report = report(&source, &point_paths(puppet, &out), &spans, clip.rate_hz);
-    Ok((out, report))
+    let out = follow(puppet, clip, goals, &hold, spans);
+    let report = report(source, &point_paths(puppet, &out), spans, clip.rate_hz);
+    (out, report)
 }
 
 /// As [`adjust`], with phases shortened where flights are too quick, by up to [`ContactOptions::phase_slack_s`] at either
@@ -67,9 +78,7 @@ pub fn adjust_in_time(
     let spans = phases::frames_of_phases(puppet, phases, clip)?;
     let source = point_paths(puppet, clip);
     let (spans, goals) = pace::pace(puppet, &source, spans, clip.rate_hz, options);
-    let hold: Vec<Vec<f64>> = spans.iter().map(|s| firmness(s, clip)).collect();
-    let out = follow(puppet, clip, &goals, &hold, &spans);
-    let report = report(&source, &point_paths(puppet, &out), &spans, clip.rate_hz);
+    let (out, report) = held(puppet, clip, &source, &goals, &spans);
     Ok((phases::phases_of_frames(puppet, &spans, clip.rate_hz), out, report))
 }
 
@@ -121,12 +130,6 @@ fn firmness(spans: &[PhaseFrames], clip: &Clip) -> Vec<f64> {
     let fade = FADE_S * clip.rate_hz;
     let of_frame = |i: usize| away(i).map_or(0.0, |frames| 1.0 - smoothstep(frames as f64 / fade));
     (0..clip.frames()).map(of_frame).collect()
-}
-
-/// World positions of the contact points in every frame, one path per point.
-pub fn point_paths(puppet: &Puppet, clip: &Clip) -> Vec<Path> {
-    let sites: Vec<usize> = puppet.contacts.iter().map(|c| c.site).collect();
-    site_paths(&puppet.character, &sites, clip)
 }
 
 /// Degrees of freedom of a free root.

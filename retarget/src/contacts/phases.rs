@@ -17,7 +17,7 @@
 use motion::names::hint;
 use motion::{Clip, Vec3};
 
-use super::places::site_paths;
+use super::places::{point_paths, site_paths};
 use crate::options::ContactOptions;
 use crate::phase::{Path, Phase, PhaseFrames};
 use crate::{ContactPoint, Follow, Performer, Puppet, RetargetError};
@@ -196,8 +196,7 @@ pub fn without_flipped_feet(
     found: &[Phase],
 ) -> Result<Vec<Phase>, RetargetError> {
     let spans = frames_of_phases(puppet, found, clip)?;
-    let points: Vec<usize> = puppet.contacts.iter().map(|c| c.site).collect();
-    let paths = site_paths(&puppet.character, &points, clip);
+    let paths = point_paths(puppet, clip);
     let sites = puppet.character.skeleton.sites();
     let site = |c: usize| &sites[puppet.contacts[c].site];
     let mean = |c: usize, s: &PhaseFrames| {

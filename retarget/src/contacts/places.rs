@@ -3,7 +3,14 @@
 use bodies::Character;
 use motion::Clip;
 
+use crate::Puppet;
 use crate::phase::Path;
+
+/// World positions of the contact points in every frame, one path per point.
+pub fn point_paths(puppet: &Puppet, clip: &Clip) -> Vec<Path> {
+    let sites: Vec<usize> = puppet.contacts.iter().map(|c| c.site).collect();
+    site_paths(&puppet.character, &sites, clip)
+}
 
 /// World positions of some sites of a character in every frame, one path per site.
 pub(crate) fn site_paths(character: &Character, sites: &[usize], clip: &Clip) -> Vec<Path> {

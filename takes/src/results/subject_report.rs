@@ -2,7 +2,7 @@
 //!
 //! In: a take's source and body. Out: the parts of `report.json` that a run and an analysis share.
 
-use formats::bvh::Chosen;
+use formats::bvh::{Chosen, ImportReport};
 use motion::names::Word;
 use serde::Serialize;
 
@@ -21,9 +21,9 @@ pub struct CharacterReport {
     pub mass_kg: f64,
 }
 
-/// How a clip was read: what its file does not say.
+/// What the file of a clip does not say, and how it was decided.
 #[derive(Clone, Debug, Serialize)]
-pub struct ClipReport {
+pub struct DecidedReport {
     /// Metres in one unit of the file.
     pub metres_per_unit: f64,
     /// Where that comes from: `stated`, `guessed` or `unsure`.
@@ -34,6 +34,26 @@ pub struct ClipReport {
     pub up_axis: &'static str,
     /// Whether the first frame is an inserted T-pose: dropped, kept, or null if it is none.
     pub t_pose_dropped: Option<bool>,
+}
+
+impl DecidedReport {
+    pub(crate) fn new(import: &ImportReport) -> Self {
+        Self {
+            metres_per_unit: import.units.metres_per_unit,
+            units: chosen(import.units.chosen),
+            up: import.up.axis.identifier(),
+            up_axis: chosen(import.up.chosen),
+            t_pose_dropped: import.t_pose.map(|t| t.dropped),
+        }
+    }
+}
+
+/// How a clip was read.
+#[derive(Clone, Debug, Serialize)]
+pub struct ClipReport {
+    /// What its file does not say.
+    #[serde(flatten)]
+    pub decided: DecidedReport,
     /// Whether the body was guessed.
     pub body_guessed: bool,
     /// What was read, guessed and repaired, in words.
@@ -47,11 +67,7 @@ impl ClipReport {
     pub(crate) fn new(source: &ClipSource) -> Option<Self> {
         let import = source.import.as_ref()?;
         Some(Self {
-            metres_per_unit: import.units.metres_per_unit,
-            units: chosen(import.units.chosen),
-            up: import.up.axis.identifier(),
-            up_axis: chosen(import.up.chosen),
-            t_pose_dropped: import.t_pose.map(|t| t.dropped),
+            decided: DecidedReport::new(import),
             body_guessed: source.body.is_some(),
             read: import.to_string().lines().map(|l| l.trim().to_owned()).collect(),
             body_notes: source.body.as_ref().map_or_else(Vec::new, |b| b.notes.clone()),
@@ -60,7 +76,7 @@ impl ClipReport {
 }
 
 /// `stated`, `guessed` or `unsure`.
-pub(crate) fn chosen(by: Chosen) -> &'static str {
+fn chosen(by: Chosen) -> &'static str {
     match by {
         Chosen::Stated => "stated",
         Chosen::Guessed => "guessed",

@@ -190,10 +190,8 @@ impl RetargetReport {
                 mismatch_percent: 100.0 * m.relative_rms,
             }),
             contact: done.contact.as_ref().map(|c| ContactNumbers {
-                phases: (done.phases.iter())
-                    .map(|p| PhaseNumbers { point: p.point.clone(), from_s: p.from_s, to_s: p.to_s })
-                    .collect(),
-                gave_way: stage_report::gave_way(done),
+                phases: PhaseNumbers::of(&done.phases),
+                gave_way: PhaseNumbers::of(&done.gave_way),
                 slip_mm: 1e3 * c.slip_m,
                 penetration_mm: 1e3 * c.penetration_m,
                 jerk_ratio: c.jerk_ratio,

@@ -3,7 +3,7 @@
 //! In: what came out of the pipeline. Out: parts of the report, and sentences that a person should read.
 
 use motion::names::Word;
-use retarget::{FlightReport, PipelineStage, Retargeted, StepReport};
+use retarget::{FlightReport, Phase, PipelineStage, Retargeted, StepReport};
 use serde::Serialize;
 
 /// A contact phase.
@@ -15,6 +15,14 @@ pub struct PhaseNumbers {
     pub from_s: f64,
     /// End, s.
     pub to_s: f64,
+}
+
+impl PhaseNumbers {
+    /// Of phases, in their order.
+    pub(super) fn of(phases: &[Phase]) -> Vec<Self> {
+        let one = |p: &Phase| Self { point: p.point.clone(), from_s: p.from_s, to_s: p.to_s };
+        phases.iter().map(one).collect()
+    }
 }
 
 /// How far a stage moved the motion from the stage before, and how far it may.
@@ -100,13 +108,6 @@ pub(super) fn flights(done: &Retargeted) -> Vec<FlightNumbers> {
     done.flights.iter().map(of_flight).collect()
 }
 
-/// Phases that gave way.
-pub(super) fn gave_way(done: &Retargeted) -> Vec<PhaseNumbers> {
-    let of_phase =
-        |p: &retarget::Phase| PhaseNumbers { point: p.point.clone(), from_s: p.from_s, to_s: p.to_s };
-    done.gave_way.iter().map(of_phase).collect()
-}
-
 /// What a person should know of a run: bounds that were reached, contacts that gave way, flights that are none.
 pub(super) fn warnings(done: &Retargeted) -> Vec<String> {
     let mut out = Vec::new();
@@ -125,9 +126,6 @@ pub(super) fn warnings(done: &Retargeted) -> Vec<String> {
     }
     out
 }
-
-/// Share of a factor from which on it is said to be at its bound.
-const AT_BOUND: f64 = 0.95;
 
 fn of_stage(s: &StepReport, out: &mut Vec<String>) {
     let stage = s.step.word();
@@ -154,7 +152,9 @@ fn of_stage(s: &StepReport, out: &mut Vec<String>) {
             "{stage} was held back ({times}): it would have been more than {:.0} × as fast as the motion before, accelerated more than {:.0} ×, or put links deeper into one another",
             s.bounds.speed, s.bounds.acceleration
         ));
-    } else if s.speed > AT_BOUND * s.bounds.speed || s.acceleration > AT_BOUND * s.bounds.acceleration {
+    } else if s.speed > StepReport::AT_BOUND * s.bounds.speed
+        || s.acceleration > StepReport::AT_BOUND * s.bounds.acceleration
+    {
         out.push(format!(
             "{stage} is at a bound: {:.1} × as fast as the motion before, {:.1} × the acceleration (allowed: {:.0} ×, {:.0} ×)",
             s.speed, s.acceleration, s.bounds.speed, s.bounds.acceleration

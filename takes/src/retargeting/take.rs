@@ -12,10 +12,10 @@ use scenes::SceneError;
 use scenes::scene::{RetargetSpec, Scene};
 
 use super::{Performance, RetargetingError, Session};
-use crate::clip::within_limits;
 use crate::clip_edits;
 use crate::conditions::begin_in_time;
 use crate::error::{MOST_STEPS, too_long};
+use crate::limited::within_limits;
 use crate::opening::Opening;
 use crate::take::{Asked, Body, RetargetSource, Source, Take};
 use crate::{Ask, Conditions};
