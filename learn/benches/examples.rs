@@ -30,7 +30,9 @@ struct Data {
 /// Left and right halves of the coordinates are exchanged, every third of them negated.
 fn side(dimension: usize) -> Vec<(usize, f64)> {
     let half = dimension / 2;
-    (0..dimension).map(|i| ((i + half) % dimension, if (i % half) % 3 == 0 { -1.0 } else { 1.0 })).collect()
+    (0..dimension)
+        .map(|i| ((i + half) % dimension, if (i % half).is_multiple_of(3) { -1.0 } else { 1.0 }))
+        .collect()
 }
 
 fn data(examples: usize, seed: u64) -> Data {

@@ -318,4 +318,97 @@ mod tests {
             }
         }
     }
+
+    /// A covariance of `n` points on a line.
+    fn covariance(n: usize) -> Vec<f64> {
+        let at = |i: usize, j: usize| (-0.5 * ((i as f64 - j as f64) / 7.0).powi(2)).exp();
+        (0..n * n).map(|i| at(i / n, i % n) + if i / n == i % n { 0.01 } else { 0.0 }).collect()
+    }
+
+    /// L Lᵀ is the matrix, L⁻¹ L one, solving below and above undoes multiplying, below one block and above.
+    #[test]
+    fn the_factor_is_one() {
+        for n in [1, 5, 64, 65, 200] {
+            let a = covariance(n);
+            let factor = Factor::of(a.clone(), n).unwrap();
+            for i in 0..n {
+                for j in 0..=i {
+                    let sum: f64 = (0..=j).map(|k| factor.row(i)[k] * factor.row(j)[k]).sum();
+                    assert!((sum - a[i * n + j]).abs() < 1e-14, "{n}");
+                }
+            }
+            let mut inverse = Vec::new();
+            factor.invert(&mut inverse);
+            let m = 7;
+            let b = matrix(n, m, &mut stream(3)).transpose().as_slice().to_vec();
+            let mut x = b.clone();
+            factor.solve_lower(&mut x, m);
+            let mut by_inverse = vec![0.0; n * m];
+            multiply(&mut by_inverse, m, 1.0, &view(&inverse, n, n, n), &view(&b, n, m, m), 0.0);
+            let mut one: Vec<f64> = b.iter().step_by(m).copied().collect();
+            factor.solve_one(&mut one);
+            for i in 0..n {
+                assert!((x[i * m] - one[i]).abs() < 1e-11, "{n}");
+                assert!((x[i * m] - by_inverse[i * m]).abs() < 1e-10, "{n}");
+            }
+            factor.solve_upper(&mut x, m);
+            let mut back = vec![0.0; n * m];
+            multiply(&mut back, m, 1.0, &view(&a, n, n, n), &view(&x, n, m, m), 0.0);
+            let worst = back.iter().zip(&b).fold(0.0_f64, |w, (a, b)| w.max((a - b).abs()));
+            assert!(worst < 1e-11, "{n}: {worst:e}");
+            let mut gram = Vec::new();
+            gram_of_lower_less(&inverse, n, 2.0, &b, m, 0.5, &mut gram);
+            for i in 0..n {
+                for j in 0..=i {
+                    let known: f64 = (0..n).map(|k| 2.0 * inverse[k * n + i] * inverse[k * n + j]).sum();
+                    let less: f64 = (0..m).map(|c| 0.5 * b[i * m + c] * b[j * m + c]).sum();
+                    assert!((gram[i * n + j] - known + less).abs() < 1e-11 * known.abs().max(1.0), "{n}");
+                }
+            }
+        }
+    }
+
+    /// A factor with rows added is that of the whole matrix, wherever blocks end, and so is what is solved with it.
+    #[test]
+    fn rows_added_are_rows_there_before() {
+        let whole = 200;
+        let a = covariance(whole);
+        let wanted = Factor::of(a.clone(), whole).unwrap();
+        let m = 6;
+        let b = matrix(whole, m, &mut stream(5)).transpose().as_slice().to_vec();
+        let mut solved = b.clone();
+        wanted.solve_lower(&mut solved, m);
+        for n in [1, 40, 64, 100, 128, 190] {
+            let part: Vec<f64> = (0..n).flat_map(|i| a[i * whole..i * whole + n].to_vec()).collect();
+            let few = Factor::of(part, n).unwrap();
+            let grown = few.extended(&a[n * whole..], whole - n).unwrap();
+            for i in 0..whole {
+                for (x, y) in grown.row(i).iter().zip(wanted.row(i)) {
+                    assert!((x - y).abs() < 1e-12, "{n}");
+                }
+            }
+            let mut x = b[..n * m].to_vec();
+            few.solve_lower(&mut x, m);
+            x.extend_from_slice(&b[n * m..]);
+            grown.solve_lower_from(&mut x, m, n);
+            let worst = x.iter().zip(&solved).fold(0.0_f64, |w, (a, b)| w.max((a - b).abs()));
+            assert!(worst < 1e-11, "{n}: {worst:e}");
+        }
+    }
+
+    /// What is not positive definite is refused, in the first block, in a later one, in rows added, and with NaN.
+    #[test]
+    fn what_is_not_definite_is_refused() {
+        for bad in [3, 150] {
+            for value in [-1.0, f64::NAN] {
+                let mut a = covariance(180);
+                a[bad * 181] = value;
+                assert!(Factor::of(a.clone(), 180).is_none());
+                if bad > 100 {
+                    let part: Vec<f64> = (0..100).flat_map(|i| a[i * 180..i * 180 + 100].to_vec()).collect();
+                    assert!(Factor::of(part, 100).unwrap().extended(&a[100 * 180..], 80).is_none());
+                }
+            }
+        }
+    }
 }

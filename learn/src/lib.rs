@@ -82,7 +82,7 @@ pub use model::{Method, Model, UnknownMethod};
 pub use nearest::Nearest;
 pub use pairs::Pairs;
 pub use pca::PcaLinear;
-pub use rbf::{Batch, LeaveOneOut, RbfKernel, RbfOptions, RbfRegression};
+pub use rbf::{Batch, RbfKernel, RbfOptions, RbfRegression, Residuals};
 pub use regressor::{Jump, PosteriorCovariance, Prediction, Regressor, Scratch};
 pub use sequence::{Mapped, Mapper, PathShape, map_frames, path_shape};
 pub use suggest::{Suggestion, suggest};

@@ -1,4 +1,4 @@
-//! Moving least squares [IAF09 §4.4]: a linear map fitted anew at every input, examples near it counting most.
+//! Moving least squares (IAF09 §4.4): a linear map fitted anew at every input, examples near it counting most.
 //!
 //! Weights are exp(−r²/(2 h²)). About the weighted means x̄, ȳ the map minimises Σ w |y_i − ȳ − Bᵀ(x_i − x̄)|² + λ |B|²; the paper
 //! prints λ = 0, which is not determined when there are fewer examples near than coordinates. λ is a part of Σ w |x_i − x̄|². The examples
@@ -8,7 +8,7 @@
 //! variance and confidence say that it means nothing there. Variance is the mean square residual at the examples that
 //! count, and the mean square of all targets times one less the confidence.
 //!
-//! [IAF09] Ikemoto, Arikan, Forsyth. Generalizing motion edits with Gaussian processes. ACM TOG 28(1), 2009.
+//! IAF09: Ikemoto, Arikan, Forsyth. Generalizing motion edits with Gaussian processes. ACM TOG 28(1), 2009.
 
 use nalgebra::DMatrix;
 use serde::{Deserialize, Serialize};

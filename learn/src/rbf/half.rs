@@ -6,8 +6,14 @@
 //! B = I + V Vᵀ/σ_n² = L_B L_Bᵀ, w_B = L_B⁻¹ w: mean w_Bᵀ L_B⁻¹ V Y/σ_n²; the variance loses |w|² − |w_B|².
 
 use crate::blocked::{Factor, multiply, transposed, view};
+use crate::cloud::{Cloud, Squared};
 use crate::dense::dot;
-use crate::rbf::RbfKernel;
+use crate::error::FitError;
+use crate::rbf::targets::Targets;
+use crate::rbf::{RbfKernel, not_definite};
+
+/// Between inducing points the diagonal has this part of σ_f² more: they have no noise of their own.
+const JITTER: f64 = 1e-10;
 
 /// Which images count how.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -144,4 +150,80 @@ impl Sparse {
         self.factor.solve_lower(&mut out, columns);
         out
     }
+}
+
+/// The kernel of a half from those to points and images.
+pub(crate) fn join(sign: Sign, k: &Squared, out: &mut Vec<f64>) {
+    out.clear();
+    match sign {
+        Sign::Only => out.extend_from_slice(&k.own),
+        sign => out.extend(k.own.iter().zip(&k.image).map(|(a, b)| sign.join(*a, *b))),
+    }
+}
+
+/// Halves of examples taken as they are.
+pub(crate) fn exact(cloud: &Cloud, targets: &Targets, kernel: &RbfKernel) -> Result<Vec<Half>, FitError> {
+    let n = cloud.len();
+    let mut squared = Squared::default();
+    cloud.squared(cloud.points(), n, &mut squared);
+    squared.own.iter_mut().step_by(n + 1).for_each(|v| *v = 0.0);
+    kernel.of(&mut squared.own);
+    kernel.of(&mut squared.image);
+    let mut k = Vec::new();
+    let mut halves = Vec::new();
+    for part in &targets.parts {
+        join(part.sign, &squared, &mut k);
+        k.iter_mut().step_by(n + 1).for_each(|v| *v += kernel.noise_variance);
+        let factor = Factor::of(k.clone(), n).ok_or_else(|| not_definite(kernel))?;
+        let mut whitened = part.values.clone();
+        factor.solve_lower(&mut whitened, part.columns);
+        halves.push(Half {
+            sign: part.sign,
+            first: part.first,
+            columns: part.columns,
+            factor,
+            sparse: None,
+            whitened,
+        });
+    }
+    Ok(halves)
+}
+
+/// Halves of examples seen through inducing points.
+pub(crate) fn through(
+    inducing: &Cloud,
+    cloud: &Cloud,
+    targets: &Targets,
+    kernel: &RbfKernel,
+) -> Result<Vec<Half>, FitError> {
+    let (m, n) = (inducing.len(), cloud.len());
+    let (mut own, mut cross) = (Squared::default(), Squared::default());
+    inducing.squared(inducing.points(), m, &mut own);
+    own.own.iter_mut().step_by(m + 1).for_each(|v| *v = 0.0);
+    inducing.squared(cloud.points(), n, &mut cross);
+    for k in [&mut own, &mut cross] {
+        kernel.of(&mut k.own);
+        kernel.of(&mut k.image);
+    }
+    let mut halves = Vec::new();
+    let (mut k, mut v) = (Vec::new(), Vec::new());
+    for part in &targets.parts {
+        join(part.sign, &own, &mut k);
+        k.iter_mut().step_by(m + 1).for_each(|v| *v += JITTER * kernel.signal_variance);
+        let factor = Factor::of(k.clone(), m).ok_or_else(|| not_definite(kernel))?;
+        join(part.sign, &cross, &mut v);
+        factor.solve_lower(&mut v, n);
+        let sparse =
+            Sparse::new(&v, m, &part.values, part.columns, kernel).ok_or_else(|| not_definite(kernel))?;
+        let whitened = sparse.whitened(part.columns, kernel);
+        halves.push(Half {
+            sign: part.sign,
+            first: part.first,
+            columns: part.columns,
+            factor,
+            sparse: Some(sparse),
+            whitened,
+        });
+    }
+    Ok(halves)
 }
