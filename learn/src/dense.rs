@@ -50,7 +50,12 @@ pub fn distance_squared(a: &[f64], b: &[f64]) -> f64 {
 /// Overwrites the lower triangle of the symmetric `a` (n × n) by L with L Lᵀ = a; the upper triangle is left.
 /// `false` if a pivot is not positive.
 pub fn cholesky(a: &mut [f64], n: usize) -> bool {
-    for i in 0..n {
+    cholesky_from(a, n, 0)
+}
+
+/// The same when the rows before `first` hold L already.
+pub fn cholesky_from(a: &mut [f64], n: usize, first: usize) -> bool {
+    for i in first..n {
         let (above, row) = a.split_at_mut(i * n);
         let row = &mut row[..n];
         for j in 0..i {

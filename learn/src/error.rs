@@ -86,6 +86,55 @@ pub enum FitError {
         /// Distance of their outputs in units of the outputs' RMS radius.
         output_distance: f64,
     },
+    /// A mirror for vectors of another length.
+    #[error("mirror of {side} vectors has {found} coordinates, the vectors have {expected}")]
+    MirrorLength {
+        /// Which side.
+        side: Side,
+        /// Coordinates of the mirror.
+        found: usize,
+        /// Coordinates of the vectors.
+        expected: usize,
+    },
+    /// A mirror that is no signed permutation which undoes itself.
+    #[error(
+        "mirror of {side} vectors: coordinate {coordinate} comes from {index} with sign {sign}; the sign must be 1 or -1, and \
+         {index} must come from {coordinate} with the same sign"
+    )]
+    Mirror {
+        /// Which side.
+        side: Side,
+        /// The coordinate.
+        coordinate: usize,
+        /// Where it comes from.
+        index: usize,
+        /// With which sign.
+        sign: f64,
+    },
+    /// Not one moment for each example.
+    #[error("{found} moments for {expected} examples")]
+    Moments {
+        /// Moments given.
+        found: usize,
+        /// Examples.
+        expected: usize,
+    },
+    /// Examples to be added with another number of coordinates.
+    #[error("{side} vectors to be added have {found} coordinates, the examples have {expected}")]
+    Coordinates {
+        /// Which side.
+        side: Side,
+        /// Coordinates given.
+        found: usize,
+        /// Coordinates of the examples.
+        expected: usize,
+    },
+    /// Examples to be added that do not have what the others have.
+    #[error("examples to be added have other {what}")]
+    Unlike {
+        /// What is not the same.
+        what: &'static str,
+    },
     /// A setting outside its range.
     #[error("{name} = {value}: must be {allowed}")]
     Setting {

@@ -10,6 +10,10 @@
 //! | [`regressor`] | what every model can do: predict, with variance; the covariance of what it does not know |
 //! | [`gplvm`] | shared Gaussian process latent variable model of YAH10 |
 //! | [`gp`] | Gaussian process regression |
+//! | [`examples`] | examples of an edit, with mirror images and where they are from |
+//! | [`by_example`] | any model of examples by its name |
+//! | [`rbf`] | GP regression of many examples; grows; inducing points |
+//! | [`mls`] | moving least squares |
 //! | [`pca`] | principal components and a linear map |
 //! | [`nearest`] | interpolation of nearest neighbours |
 //! | [`model`] | any of these by name, and as stored |
@@ -38,10 +42,14 @@
 //!
 //! YAH10: Yamane, Ariki, Hodgins. Animating non-humanoid characters with human motion data. SCA 2010.
 
+mod blocked;
+pub mod by_example;
+mod cloud;
 mod cover;
 mod dense;
 mod descend;
 pub mod error;
+pub mod examples;
 #[cfg(test)]
 mod fixture;
 pub mod gp;
@@ -49,25 +57,32 @@ pub mod gplvm;
 pub mod kcca;
 pub mod kernel;
 mod likelihood;
+pub mod mls;
 pub mod model;
 pub mod nearest;
 pub mod pairs;
+mod parity;
 pub mod pca;
 mod posterior;
+pub mod rbf;
 pub mod regressor;
 pub mod sequence;
 pub mod suggest;
 pub mod validate;
 
+pub use by_example::{ExampleMethod, ExampleModel, ExampleOptions, NearestExamples};
 pub use error::{FitError, InputError};
+pub use examples::{Examples, Mirror, Moment};
 pub use gp::GpRegression;
 pub use gplvm::{GplvmOptions, Learning, Locate, SharedGplvm, Start};
 pub use kcca::KernelCca;
 pub use kernel::Kernel;
+pub use mls::{MlsOptions, MovingLeastSquares};
 pub use model::{Method, Model, UnknownMethod};
 pub use nearest::Nearest;
 pub use pairs::Pairs;
 pub use pca::PcaLinear;
+pub use rbf::{Batch, RbfKernel, RbfOptions, RbfRegression, Residuals};
 pub use regressor::{Jump, PosteriorCovariance, Prediction, Regressor, Scratch};
 pub use sequence::{Mapped, Mapper, PathShape, map_frames, path_shape};
 pub use suggest::{Suggestion, suggest};

@@ -71,27 +71,8 @@ impl Regressor for Nearest {
         let Scratch { squared, k: weights, .. } = scratch;
         out.mean.resize(self.pairs.output_dim(), 0.0);
         out.mean.fill(0.0);
-        // The nearest `neighbours` one by one; `weights` holds them, zero elsewhere.
-        weights.fill(0.0);
-        let mut total = 0.0;
-        if squared[nearest] == 0.0 {
-            weights[nearest] = 1.0;
-            total = 1.0;
-        } else {
-            for _ in 0..self.neighbours {
-                let mut next = None::<usize>;
-                for i in 0..squared.len() {
-                    if weights[i] == 0.0 && next.is_none_or(|b| squared[i] < squared[b]) {
-                        next = Some(i);
-                    }
-                }
-                let Some(i) = next else { break };
-                weights[i] = 1.0 / squared[i].sqrt();
-                total += weights[i];
-            }
-        }
-        for (i, w) in weights.iter_mut().enumerate().filter(|(_, w)| **w > 0.0) {
-            *w /= total;
+        weigh(squared, self.neighbours, nearest, weights);
+        for (i, w) in weights.iter().enumerate().filter(|(_, w)| **w > 0.0) {
             out.mean.iter_mut().zip(self.pairs.output(i)).for_each(|(m, z)| *m += *w * z);
         }
         let spread = |i: usize| crate::dense::distance_squared(self.pairs.output(i), &out.mean);
@@ -106,4 +87,28 @@ impl Regressor for Nearest {
     fn posterior_covariance(&self, frames: &DMatrix<f64>) -> Result<PosteriorCovariance, InputError> {
         self.cover.posterior_covariance(frames)
     }
+}
+
+/// Writes the weights of all points by their squared distances: the inverse distance for the nearest `neighbours`, zero for
+/// the others, sum one. A point at distance zero, `nearest`, has all.
+pub(crate) fn weigh(squared: &[f64], neighbours: usize, nearest: usize, weights: &mut [f64]) {
+    weights.fill(0.0);
+    if squared[nearest] == 0.0 {
+        weights[nearest] = 1.0;
+        return;
+    }
+    // The nearest `neighbours` one by one; `weights` holds them, zero elsewhere.
+    let mut total = 0.0;
+    for _ in 0..neighbours {
+        let mut next = None::<usize>;
+        for i in 0..squared.len() {
+            if weights[i] == 0.0 && next.is_none_or(|b| squared[i] < squared[b]) {
+                next = Some(i);
+            }
+        }
+        let Some(i) = next else { break };
+        weights[i] = 1.0 / squared[i].sqrt();
+        total += weights[i];
+    }
+    weights.iter_mut().filter(|w| **w > 0.0).for_each(|w| *w /= total);
 }

@@ -61,6 +61,9 @@ pub struct Scratch {
     pub(crate) squared: Vec<f64>,
     pub(crate) k: Vec<f64>,
     pub(crate) w: Vec<f64>,
+    pub(crate) parts: Vec<f64>,
+    pub(crate) more: Vec<f64>,
+    pub(crate) order: Vec<usize>,
     pub(crate) search: Option<Box<Search>>,
     pub(crate) jump: Option<Jump>,
 }

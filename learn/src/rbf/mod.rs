@@ -1,0 +1,338 @@
+//! Gaussian process regression of examples: an isotropic radial basis function and noise, three numbers shared by all targets.
+//!
+//! k(x, x') = σ_f² exp(−|x − x'|²/(2 l²)) + σ_n² δ (IAF09 §4.3). The prior mean is zero: targets are differences, and far from the
+//! examples nothing is changed. One kernel for all target coordinates, so one factorisation serves all; with a mirror
+//! two of half the size ([`crate::examples`]).
+//!
+//! **Learning.** (σ_f², l, σ_n²) maximise the marginal likelihood by L-BFGS over their logarithms. It starts at
+//! σ_f² = s², σ_n² = s²/100, l = the median distance of the inputs, with s² the mean square of the targets: IAF09's 0, 0, ln √0.01 in
+//! the units of the data. Ranges: σ_f² from 10⁻⁶ to 10³ s²; σ_n² from 10⁻⁷ to 10 s²; l from 1/1000 of the
+//! diameter of the examples (largest distance between two of them or their images) to the diameter. Without an upper bound of l
+//! a rule that is the same everywhere has a likelihood that grows with l without an end, and the edit would be
+//! carried to whatever motion comes.
+//!
+//! **What is not learned.** Targets that are all zero (root mean square below 10⁻⁹): the likelihood has no bound as both
+//! variances go to 0. The kernel is then the start with s² = 1, the mean is zero everywhere, the variance small near the examples. Inputs
+//! all at one place, one example among them: nothing tells l. The kernel is the start with l a tenth of the input's
+//! distance from zero (1 if that is zero): the mean of the targets there, slightly shrunk, and nothing farther away.
+//!
+//! **Many examples.** Beyond [`RbfOptions::exact_up_to`], images counted, the kernel is learned from an even choice of that many and
+//! all examples enter through inducing points, the farthest of each other (DTC): O(N M²).
+//!
+//! IAF09: Ikemoto, Arikan, Forsyth. Generalizing motion edits with Gaussian processes. ACM TOG 28(1), 2009.
+
+mod evidence;
+mod grow;
+mod half;
+mod leave_out;
+mod predict;
+mod targets;
+
+use serde::{Deserialize, Serialize};
+
+use crate::cloud::{Cloud, Extent};
+use crate::dense::dot;
+use crate::descend::descend;
+use crate::error::FitError;
+use crate::examples::Examples;
+use crate::gplvm::Learning;
+use evidence::{Evidence, Range};
+use half::{Half, exact, through};
+pub use leave_out::Residuals;
+pub use predict::Batch;
+use targets::Targets;
+
+/// Root mean square of targets below which they count as zero.
+const ZERO: f64 = 1e-9;
+/// Least σ_n²/s².
+const NOISE: (f64, f64) = (1e-7, 10.0);
+/// Range of σ_f²/s².
+const SIGNAL: (f64, f64) = (1e-6, 1e3);
+/// Least l over the diameter.
+const LENGTH: f64 = 1e-3;
+/// Part of s² that is noise at the start.
+const START_NOISE: f64 = 0.01;
+
+/// The three numbers.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct RbfKernel {
+    /// σ_f², squared units of the targets.
+    pub signal_variance: f64,
+    /// l, units of the inputs.
+    pub length: f64,
+    /// σ_n², squared units of the targets.
+    pub noise_variance: f64,
+}
+
+impl RbfKernel {
+    fn check(&self) -> Result<(), FitError> {
+        for (name, value) in [
+            ("signal_variance", self.signal_variance),
+            ("length", self.length),
+            ("noise_variance", self.noise_variance),
+        ] {
+            if !(value.is_finite() && value > 0.0) {
+                return Err(FitError::Setting { name, value, allowed: "positive".into() });
+            }
+        }
+        Ok(())
+    }
+
+    /// Turns a squared distance into σ_f² exp(−r²/(2 l²)).
+    fn of(&self, squared: &mut [f64]) {
+        let scale = -0.5 / self.length.powi(2);
+        squared.iter_mut().for_each(|v| *v = self.signal_variance * (scale * *v).exp());
+    }
+}
+
+/// How a kernel is learned.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct RbfOptions {
+    /// L-BFGS iterations, at most; 0 keeps the start.
+    pub iterations: usize,
+    /// Takes the mean of the targets away first and adds it to every prediction: far from the examples the mean returns
+    /// instead of zero. For targets that are no differences.
+    pub centre: bool,
+    /// This kernel, not learned.
+    pub kernel: Option<RbfKernel>,
+    /// Most examples, images counted, that are taken as they are; more enter through inducing points.
+    pub exact_up_to: usize,
+    /// Inducing points, images not counted.
+    pub inducing: usize,
+}
+
+impl Default for RbfOptions {
+    fn default() -> Self {
+        RbfOptions { iterations: 100, centre: false, kernel: None, exact_up_to: 3000, inducing: 750 }
+    }
+}
+
+/// A fitted regression.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(try_from = "Stored", into = "Stored")]
+pub struct RbfRegression {
+    examples: Examples,
+    options: RbfOptions,
+    kernel: RbfKernel,
+    learning: Learning,
+    log_likelihood: f64,
+    cloud: Cloud,
+    extent: Extent,
+    /// Inducing points; none if the examples are taken as they are.
+    inducing: Option<Inducing>,
+    targets: Targets,
+    halves: Vec<Half>,
+}
+
+#[derive(Clone, Debug, PartialEq)]
+struct Inducing {
+    cloud: Cloud,
+    /// Largest distance of an example from the nearest of them.
+    reach: f64,
+}
+
+#[derive(Serialize, Deserialize)]
+#[serde(rename = "RbfRegression", deny_unknown_fields)]
+struct Stored {
+    examples: Examples,
+    options: RbfOptions,
+    kernel: RbfKernel,
+    learning: Learning,
+}
+
+impl From<RbfRegression> for Stored {
+    fn from(m: RbfRegression) -> Self {
+        Stored { examples: m.examples, options: m.options, kernel: m.kernel, learning: m.learning }
+    }
+}
+
+impl TryFrom<Stored> for RbfRegression {
+    type Error = FitError;
+
+    fn try_from(s: Stored) -> Result<Self, FitError> {
+        s.kernel.check()?;
+        RbfRegression::with_kernel(s.examples, s.options, s.kernel, s.learning)
+    }
+}
+
+impl RbfRegression {
+    /// Learns a kernel from examples.
+    ///
+    /// # Errors
+    /// Settings out of range; a kernel matrix that does not factor.
+    pub fn fit(examples: &Examples, options: &RbfOptions) -> Result<Self, FitError> {
+        if options.inducing == 0 {
+            let allowed = "at least 1".into();
+            return Err(FitError::Setting { name: "inducing", value: 0.0, allowed });
+        }
+        let (kernel, learning) = match options.kernel {
+            Some(kernel) => {
+                kernel.check()?;
+                (kernel, unlearned("the kernel was given"))
+            }
+            None if examples.effective() <= options.exact_up_to => learn(examples, options)?,
+            None => {
+                let most = options.exact_up_to.max(2) * examples.len() / examples.effective();
+                let most = most.max(1);
+                let keep: Vec<usize> = (0..most).map(|i| i * examples.len() / most).collect();
+                learn(&examples.subset(&keep)?, options)?
+            }
+        };
+        RbfRegression::with_kernel(examples.clone(), options.clone(), kernel, learning)
+    }
+
+    fn with_kernel(
+        examples: Examples,
+        options: RbfOptions,
+        kernel: RbfKernel,
+        learning: Learning,
+    ) -> Result<Self, FitError> {
+        let cloud = Cloud::of(&examples);
+        let extent = cloud.extent(&examples);
+        let targets = Targets::of(&examples, options.centre);
+        let inducing = (examples.effective() > options.exact_up_to).then(|| {
+            let (chosen, reach) = cloud.farthest(options.inducing);
+            Inducing { cloud: cloud.subset(&chosen), reach }
+        });
+        let halves = match &inducing {
+            None => exact(&cloud, &targets, &kernel)?,
+            Some(inducing) => through(&inducing.cloud, &cloud, &targets, &kernel)?,
+        };
+        let mut model = RbfRegression {
+            examples,
+            options,
+            kernel,
+            learning,
+            log_likelihood: 0.0,
+            cloud,
+            extent,
+            inducing,
+            targets,
+            halves,
+        };
+        model.log_likelihood = model.likelihood();
+        Ok(model)
+    }
+
+    /// The examples it was fitted to.
+    pub fn examples(&self) -> &Examples {
+        &self.examples
+    }
+
+    /// The kernel.
+    pub fn kernel(&self) -> RbfKernel {
+        self.kernel
+    }
+
+    /// σ_n², squared units of the targets.
+    pub fn noise(&self) -> f64 {
+        self.kernel.noise_variance
+    }
+
+    /// How it was fitted.
+    pub fn options(&self) -> &RbfOptions {
+        &self.options
+    }
+
+    /// How learning went.
+    pub fn learning(&self) -> &Learning {
+        &self.learning
+    }
+
+    /// Number of inducing points; `None` if the examples are taken as they are.
+    pub fn inducing(&self) -> Option<usize> {
+        self.inducing.as_ref().map(|i| i.cloud.len())
+    }
+
+    /// ln p(targets | inputs), images counted as examples of their own; with inducing points that of the approximation.
+    pub fn log_likelihood(&self) -> f64 {
+        self.log_likelihood
+    }
+
+    /// Largest distance between two examples or images, units of the inputs: the upper bound of the length.
+    pub fn diameter(&self) -> f64 {
+        self.extent.diameter
+    }
+
+    /// The distance that is novelty 1, units of the inputs.
+    pub fn spacing(&self) -> f64 {
+        self.extent.spacing
+    }
+
+    /// What kernels are taken to.
+    fn basis(&self) -> &Cloud {
+        self.inducing.as_ref().map_or(&self.cloud, |i| &i.cloud)
+    }
+
+    /// ln p of the halves.
+    fn likelihood(&self) -> f64 {
+        let n = self.cloud.len() as f64;
+        let mut value = 0.0;
+        for (half, part) in self.halves.iter().zip(&self.targets.parts) {
+            let whitened = dot(&half.whitened, &half.whitened);
+            let (fit, ln_det) = match &half.sparse {
+                None => (whitened, half.factor.ln_det()),
+                Some(sparse) => {
+                    let noise = self.kernel.noise_variance;
+                    let all = dot(&part.values, &part.values) / noise;
+                    (all - whitened, sparse.ln_det() + n * noise.ln())
+                }
+            };
+            let each = ln_det + n * (2.0 * std::f64::consts::PI).ln();
+            value -= 0.5 * fit / half.sign.share() + 0.5 * self.targets.dimension() as f64 * each;
+        }
+        value
+    }
+}
+
+fn unlearned(why: &str) -> Learning {
+    Learning { iterations: 0, evaluations: 0, start: 0.0, end: 0.0, stopped: why.into() }
+}
+
+/// Learns a kernel from all of `examples`.
+fn learn(examples: &Examples, options: &RbfOptions) -> Result<(RbfKernel, Learning), FitError> {
+    let cloud = Cloud::of(examples);
+    let extent = cloud.extent(examples);
+    let targets = Targets::of(examples, options.centre);
+    let zero = targets.mean_square() < ZERO * ZERO;
+    let square = if zero { 1.0 } else { targets.mean_square() };
+    let start =
+        RbfKernel { signal_variance: square, length: extent.median, noise_variance: START_NOISE * square };
+    if zero {
+        return Ok((start, unlearned("all targets are zero")));
+    }
+    if extent.diameter == 0.0 {
+        return Ok((start, unlearned("all inputs are at one place")));
+    }
+    let ranges = [
+        Range::new((SIGNAL.0 * square).ln(), (SIGNAL.1 * square).ln()),
+        Range::new((LENGTH * extent.diameter).ln(), extent.diameter.ln()),
+        Range::new((NOISE.0 * square).ln(), (NOISE.1 * square).ln()),
+    ];
+    let mut evidence = Evidence::new(&cloud, &targets, ranges);
+    let from = evidence.parameters(&start);
+    let d = descend(&mut evidence, from, options.iterations)?;
+    let kernel = evidence.kernel(&d.point);
+    let learning = Learning {
+        iterations: d.iterations,
+        evaluations: d.evaluations,
+        start: d.start_value,
+        end: d.value,
+        stopped: d.stopped,
+    };
+    Ok((kernel, learning))
+}
+
+/// The error of a kernel matrix that does not factor.
+pub(crate) fn not_definite(kernel: &RbfKernel) -> FitError {
+    FitError::Optimiser {
+        iterations: 0,
+        reason: format!("kernel matrix is not positive definite at {kernel:?}"),
+    }
+}
+
+#[cfg(test)]
+#[path = "sklearn_tests.rs"]
+mod tests;
