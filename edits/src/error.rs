@@ -5,6 +5,8 @@ use motion::names::nearest;
 use motion::time_map::TimeMapError;
 use thiserror::Error;
 
+use crate::by_example::ExampleError;
+
 /// Why a selector or an edit was refused. Tracks, clip and log are then as they were.
 #[derive(Clone, Debug, PartialEq, Error)]
 pub enum EditError {
@@ -181,6 +183,9 @@ pub enum EditError {
     /// A limb that cannot be solved.
     #[error(transparent)]
     Ik(#[from] IkError),
+    /// An edit by example that does not fit.
+    #[error("by example: {0}")]
+    Example(#[from] ExampleError),
 }
 
 impl EditError {

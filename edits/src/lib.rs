@@ -22,6 +22,7 @@
 //! | [`extent_reach`] | how far the hands are from the shoulders |
 //! | [`tension`] | how stiff the muscles are |
 //! | [`warp`] | a clip retimed by anchors |
+//! | [`by_example`] | an edit learned from a few edited seconds |
 //! | [`poses`] | elements grouped by pose: for edits that think in poses |
 //! | [`error`] | what can be wrong |
 //!
@@ -51,6 +52,7 @@
 //! NF03: Neff, Fiume. Aesthetic edits for character animation. SCA 2003.
 
 pub mod amplitude;
+pub mod by_example;
 pub mod clip_change;
 pub mod clip_edit;
 pub mod clip_motion;
@@ -68,6 +70,7 @@ pub mod track_edit;
 pub mod warp;
 
 pub use amplitude::{Amplitude, Reference};
+pub use by_example::{ByExample, ExampleEdit, ExampleError};
 pub use clip_change::{ClipChange, Largest};
 pub use clip_edit::ClipEdit;
 pub use clip_motion::{Edited, Motion};

@@ -93,7 +93,7 @@ fn stencil(k: usize, frames: usize) -> Stencil {
 }
 
 /// Weights of the samples `from..=to` (in frames) for slope and curvature at 0 of the fitted parabola.
-fn parabola(from: i64, to: i64, rate_hz: f64) -> Vec<(f64, f64)> {
+pub fn parabola(from: i64, to: i64, rate_hz: f64) -> Vec<(f64, f64)> {
     let n = (to - from + 1) as usize;
     let t = |j: usize| (from + j as i64) as f64 / rate_hz;
     if n < 3 {

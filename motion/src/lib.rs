@@ -29,6 +29,7 @@
 //! | [`sole`] | the points of a foot that a floor can press on |
 //! | [`stance`] | where in a clip the feet stand, and where they step |
 //! | [`support`] | convex hull of ground contacts, margin of a point |
+//! | [`symmetry`] | left and right: which link mirrors which, clips mirrored |
 //!
 //! Units and frames: metres, radians, seconds; right-handed, Y up, +Z forward, +X to the left of
 //! the character.
@@ -56,6 +57,7 @@ pub mod smooth;
 pub mod sole;
 pub mod stance;
 pub mod support;
+pub mod symmetry;
 pub mod time_map;
 pub mod timing;
 pub mod track;
@@ -75,6 +77,7 @@ pub use skeleton::{BallLimits, Joint, Limb, LimbKind, Limits, Link, Range, Site,
 pub use smooth::{SmoothReport, Smoothed, Smoothing, Strength, smooth};
 pub use sole::Sole;
 pub use support::Support;
+pub use symmetry::Symmetry;
 pub use time_map::TimeMap;
 pub use timing::Timing;
 pub use track::{Element, Label, Track, Tracks};

@@ -8,10 +8,12 @@
 //! | [`tune`] | parameters chosen by a search over a cost |
 //! | `level_ground` | the ground that pushes and costs need |
 //! | [`pareto`] | the trade between fidelity and help from outside |
+//! | [`propagate`] | edits by example |
 //! | [`retarget`] | how good a set of key poses is; models side by side |
 
 mod level_ground;
 pub mod pareto;
+pub mod propagate;
 pub mod push;
 pub mod retarget;
 pub mod tune;

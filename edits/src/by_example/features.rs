@@ -1,0 +1,139 @@
+//! Features: what a frame of the source motion is recognised by [IAF09 §4.5].
+//!
+//! In: a clip and its [`Rig`]. Out: for every frame two rows: the configuration feature x^(k), places of all points 0.125 s before,
+//! now and 0.125 s after in the heading frame of now; and the acceleration feature x^(a), accelerations of all points relative to the
+//! root, from a parabola fitted over 0.125 s, in the same frame.
+//!
+//! The paper removes the whole orientation of the root; the default here removes the heading and leaves the lean
+//! ([`Orientation`]). Before the first and after the last frame a point goes on as it came: `p(−t) = 2 p(0) − p(t)`.
+//!
+//! Units: places in parts of the body's size, accelerations in sizes per s².
+
+use motion::derivatives::parabola;
+use motion::rotation::{Quat, Vec3};
+use motion::{Clip, names::Word};
+use nalgebra::DMatrix;
+
+use super::Rig;
+use super::rig::Signed;
+
+/// How far before and after the frame the other two configurations are, s [IAF09].
+pub const APART_S: f64 = 0.125;
+
+/// What is removed of the root's orientation in features.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Orientation {
+    /// The turn about the vertical: a lean is a feature.
+    #[default]
+    Heading,
+    /// All of it, as in the paper.
+    Whole,
+}
+
+impl Word for Orientation {
+    const KIND: &'static str = "what is removed of the root's orientation";
+    const WORDS: &'static [(Self, &'static str, &'static str)] = &[
+        (Self::Heading, "heading", "the turn about the vertical: a lean is a feature"),
+        (Self::Whole, "whole", "all of it, as the paper has it"),
+    ];
+}
+
+/// Features of all frames: one row each.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Features {
+    /// x^(k): three times root and points; the root now is the origin and left out.
+    pub configuration: DMatrix<f64>,
+    /// x^(a): all points.
+    pub acceleration: DMatrix<f64>,
+}
+
+impl Features {
+    /// Features of the frames `frames` of a clip.
+    pub fn of(rig: &Rig, clip: &Clip, frames: &[usize], orientation: Orientation) -> Self {
+        let path = Path { places: rig.places(clip), width: 1 + rig.points(), frames: clip.frames() };
+        let turns = rig.root_rotations(clip);
+        let (n, points) = (frames.len(), rig.points());
+        let mut configuration = DMatrix::zeros(n, 3 * (2 + 3 * points));
+        let mut acceleration = DMatrix::zeros(n, 3 * points);
+        let step = APART_S * clip.rate_hz;
+        let half = ((0.5 * APART_S * clip.rate_hz).round() as i64).max(1);
+        let weights = parabola(-half, half, clip.rate_hz);
+        for (row, &frame) in frames.iter().enumerate() {
+            let frame_from_world = match orientation {
+                Orientation::Heading => rig.heading(&turns[frame]).inverse(),
+                Orientation::Whole => rig.axes_from_link(0) * turns[frame].inverse(),
+            };
+            let now = path.at(frame as f64, 0);
+            let local = |p: Vec3| frame_from_world * (p - now) / rig.size_m;
+            let mut column = 0;
+            for (k, offset) in [-step, 0.0, step].into_iter().enumerate() {
+                for point in usize::from(k == 1)..=points {
+                    let p = local(path.at(frame as f64 + offset, point));
+                    for c in 0..3 {
+                        configuration[(row, column + c)] = p[c];
+                    }
+                    column += 3;
+                }
+            }
+            for point in 1..=points {
+                let mut a = Vec3::zeros();
+                for (offset, (_, bend)) in (-half..=half).zip(&weights) {
+                    let at = frame as f64 + offset as f64;
+                    a += (path.at(at, point) - path.at(at, 0)) * *bend;
+                }
+                let a = frame_from_world * a / rig.size_m;
+                for c in 0..3 {
+                    acceleration[(row, 3 * (point - 1) + c)] = a[c];
+                }
+            }
+        }
+        Self { configuration, acceleration }
+    }
+}
+
+/// How configuration features are mirrored; `None` without left and right.
+pub(super) fn mirror_configuration(rig: &Rig) -> Option<Signed> {
+    rig.mirror_points(&[true, false, true])
+}
+
+/// How acceleration features are mirrored.
+pub(super) fn mirror_acceleration(rig: &Rig) -> Option<Signed> {
+    rig.mirror_points(&[false])
+}
+
+/// Places of root and points over time.
+struct Path {
+    places: Vec<Vec3>,
+    width: usize,
+    frames: usize,
+}
+
+impl Path {
+    /// Where a point (0 is the root) is at a time in frames, m; beyond the ends it goes on as it came.
+    fn at(&self, t: f64, point: usize) -> Vec3 {
+        let last = (self.frames - 1) as f64;
+        if t < 0.0 {
+            return 2.0 * self.at(0.0, point) - self.within((-t).min(last), point);
+        }
+        if t > last {
+            return 2.0 * self.at(last, point) - self.within((2.0 * last - t).max(0.0), point);
+        }
+        self.within(t, point)
+    }
+
+    fn within(&self, t: f64, point: usize) -> Vec3 {
+        let near = t.round();
+        let place = |f: usize| self.places[f.min(self.frames - 1) * self.width + point];
+        if (t - near).abs() < 1e-6 {
+            return place(near as usize);
+        }
+        let f = t.floor();
+        let (a, b) = (place(f as usize), place(f as usize + 1));
+        a + (b - a) * (t - f)
+    }
+}
+
+/// The heading of every frame, world from heading frame.
+pub(super) fn headings(rig: &Rig, clip: &Clip) -> Vec<Quat> {
+    rig.root_rotations(clip).iter().map(|r| rig.heading(r)).collect()
+}

@@ -1,0 +1,41 @@
+//! Edits by example: a few seconds edited by hand, the same edit on other motion [IAF09].
+//!
+//! In: [`Pair`]s of a source clip and its edited version, frame by frame. Out: an [`ExampleEdit`], a model of the edit, which [`ByExample`]
+//! applies to any clip of the same rig as a clip edit: predictions of configurations and of accelerations by two
+//! regressions of `learn`, blended with the source so that it returns where the model is unsure ([`solve`]).
+//!
+//! What is learned is the difference of the target to its source ([`outputs`]): the paper learns the target itself, which mixes units in the
+//! blend and changes motion that was not edited. Far from the examples the differences are taken back by how new a frame is
+//! ([`model::gate`]): the likelihood alone would stretch a constant edit over everything.
+//!
+//! | module | holds |
+//! |---|---|
+//! | [`pair`] | training pairs, checked |
+//! | [`rig`] | points and joints by name, headings, left and right |
+//! | [`features`] | what a frame is recognised by |
+//! | [`outputs`] | how a target differs from its source, and back |
+//! | [`model`] | training and prediction |
+//! | [`solve`] | the blend of all predictions: one pentadiagonal system |
+//! | [`edit`] | the clip edit |
+//! | [`error`] | what can be wrong |
+//!
+//! Units: m, s, rad; lengths of features and outputs in parts of the body's size.
+//!
+//! IAF09: Ikemoto, Arikan, Forsyth. Generalizing motion edits with Gaussian processes. ACM TOG 28(1), 2009.
+
+pub mod edit;
+pub mod error;
+pub mod features;
+pub mod model;
+pub mod outputs;
+pub mod pair;
+pub mod rig;
+pub mod solve;
+
+pub use edit::ByExample;
+pub use error::ExampleError;
+pub use features::Orientation;
+pub use model::{Answer, ExampleEdit, ExampleOptions};
+pub use pair::Pair;
+pub use rig::Rig;
+pub use solve::Weights;

@@ -1,0 +1,326 @@
+//! Training and prediction: the two regressions of an edit.
+//!
+//! In: [`Pair`]s. Out: an [`ExampleEdit`], and from it, for a clip, an [`Answer`]: the blended differences of every frame with how sure
+//! they are.
+//!
+//! *Configuration*: from x^(k) to the differences of [`super::outputs`]. *Acceleration*: from x^(a) to their second derivatives by time,
+//! of the frames of the pair, from parabolas over 0.125 s. Both share three hyperparameters each over all outputs.
+//!
+//! *Novelty*: the distance of a frame's x^(k) to the nearest example, over the 99th percentile of the distances that the examples
+//! have to each other (`learn`). [`gate`] takes the predicted differences back from novelty 1 on.
+//!
+//! Symbols as in [`super::solve`].
+
+use learn::{Batch, ExampleMethod, ExampleModel, Examples, Mirror, Moment};
+use motion::Clip;
+use motion::derivatives::parabola;
+use motion::names::Word;
+use nalgebra::DMatrix;
+use serde::{Deserialize, Serialize};
+
+use super::features::{Features, Orientation, mirror_acceleration, mirror_configuration};
+use super::rig::{Rig, RigFile};
+use super::solve::{Evidence, Weights, blend};
+use super::{ExampleError, Pair, outputs};
+
+/// Neighbours in time do not tell how dense examples lie: those closer than this, s.
+const APART_S: f64 = 0.5;
+
+/// Novelty up to which differences are kept whole, and from which on nothing is left of them.
+pub const GATE: (f64, f64) = (0.8, 1.04);
+
+/// Share of the differences that is kept at a novelty: 1 up to the first of [`GATE`], 0 from the second on, smooth between.
+pub fn gate(novelty: f64) -> f64 {
+    1.0 - motion::smoothstep((novelty - GATE.0) / (GATE.1 - GATE.0))
+}
+
+/// How an edit is learned and applied.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct ExampleOptions {
+    /// What predicts.
+    pub estimator: ExampleMethod,
+    /// What is removed of the root's orientation in features.
+    #[serde(with = "word")]
+    pub orientation: Orientation,
+    /// Weights of the blend.
+    pub weights: Weights,
+    /// Most examples a second of a clip, Hz: frames between them say the same.
+    pub examples_hz: f64,
+    /// Counts every example a second time with left and right exchanged, where the body has both.
+    pub mirror: bool,
+    /// Takes differences back where frames are new ([`gate`]).
+    pub gate: bool,
+}
+
+impl Default for ExampleOptions {
+    fn default() -> Self {
+        Self {
+            estimator: ExampleMethod::default(),
+            orientation: Orientation::default(),
+            weights: Weights::default(),
+            examples_hz: 30.0,
+            mirror: true,
+            gate: true,
+        }
+    }
+}
+
+mod word {
+    use super::{Orientation, Word};
+    use serde::{Deserialize, Deserializer, Serializer, de::Error};
+
+    pub fn serialize<S: Serializer>(o: &Orientation, s: S) -> Result<S::Ok, S::Error> {
+        s.serialize_str(o.word())
+    }
+
+    pub fn deserialize<'de, D: Deserializer<'de>>(d: D) -> Result<Orientation, D::Error> {
+        Orientation::find(&String::deserialize(d)?).map_err(D::Error::custom)
+    }
+}
+
+/// Where an example came from.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct ExampleFrame {
+    /// Which pair.
+    pub pair: usize,
+    /// Which frame of it.
+    pub frame: usize,
+}
+
+/// A learned edit. See the module header.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct ExampleEdit {
+    /// The rig it was taught on.
+    pub rig: RigFile,
+    /// How it was learned.
+    pub options: ExampleOptions,
+    /// Names of the pairs.
+    pub pairs: Vec<String>,
+    /// Where each example came from.
+    pub frames: Vec<ExampleFrame>,
+    /// Whether examples are mirrored.
+    pub mirrored: bool,
+    /// From x^(k) to differences.
+    pub configuration: ExampleModel,
+    /// From x^(a) to their second derivatives.
+    pub acceleration: ExampleModel,
+}
+
+/// What a model says of a clip, one row or entry a frame.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Answer {
+    /// Blended differences, columns as in [`super::outputs`].
+    pub differences: DMatrix<f64>,
+    /// What the configuration model alone predicts.
+    pub predicted: DMatrix<f64>,
+    /// Standard deviation of that, in the units of its columns.
+    pub unsure: Vec<f64>,
+    /// How new each frame is: see the module header.
+    pub novelty: Vec<f64>,
+    /// Share of the prediction kept for novelty.
+    pub kept: Vec<f64>,
+}
+
+/// Inputs and targets of both models, one example a row.
+struct Rows {
+    configuration: (Vec<f64>, Vec<f64>),
+    acceleration: (Vec<f64>, Vec<f64>),
+    moments: Vec<Moment>,
+    frames: Vec<ExampleFrame>,
+}
+
+impl ExampleEdit {
+    /// Learns the edit of the pairs.
+    ///
+    /// # Errors
+    /// Pairs that do not go together, bodies of another rig than the first pair's, examples that nothing can be fitted to.
+    pub fn learn(pairs: &[Pair], options: &ExampleOptions) -> Result<Self, ExampleError> {
+        check(options)?;
+        let first = pairs.first().ok_or(ExampleError::NoPairs)?;
+        let rig = Rig::of(&first.source.skeleton)?;
+        let file = rig.file().clone();
+        let rows = Rows::of(&file, pairs, 0, options)?;
+        let mirrored = options.mirror && rig.is_symmetric();
+        let [configuration, acceleration] = rows.examples(&rig, mirrored)?;
+        let learned = |model, examples: &Examples| {
+            ExampleModel::fit(options.estimator, examples, &learn::ExampleOptions::default())
+                .map_err(|source| ExampleError::Fit { model, source })
+        };
+        Ok(Self {
+            rig: file,
+            options: options.clone(),
+            pairs: pairs.iter().map(|p| p.name.clone()).collect(),
+            frames: rows.frames,
+            mirrored,
+            configuration: learned("configurations", &configuration)?,
+            acceleration: learned("accelerations", &acceleration)?,
+        })
+    }
+
+    /// The same edit with more pairs: hyperparameters stay, factors grow.
+    ///
+    /// # Errors
+    /// As [`ExampleEdit::learn`].
+    pub fn grow(&mut self, pairs: &[Pair]) -> Result<(), ExampleError> {
+        let Some(first) = pairs.first() else { return Ok(()) };
+        let rig = Rig::find(&self.rig, &first.source.skeleton)?;
+        let rows = Rows::of(&self.rig, pairs, self.pairs.len(), &self.options)?;
+        let [configuration, acceleration] = rows.examples(&rig, self.mirrored)?;
+        let grown = |model, of: &mut ExampleModel, more: &Examples| {
+            of.grow(more).map_err(|source| ExampleError::Fit { model, source })
+        };
+        grown("configurations", &mut self.configuration, &configuration)?;
+        grown("accelerations", &mut self.acceleration, &acceleration)?;
+        self.pairs.extend(pairs.iter().map(|p| p.name.clone()));
+        self.frames.extend(rows.frames);
+        Ok(())
+    }
+
+    /// What the edit makes of a clip.
+    ///
+    /// # Errors
+    /// A clip of another rig.
+    pub fn answer(&self, clip: &Clip) -> Result<Answer, ExampleError> {
+        let rig = Rig::find(&self.rig, &clip.skeleton)?;
+        self.answer_of(&rig, clip)
+    }
+
+    /// As [`ExampleEdit::answer`], with the clip's rig.
+    pub(super) fn answer_of(&self, rig: &Rig, clip: &Clip) -> Result<Answer, ExampleError> {
+        let frames: Vec<usize> = (0..clip.frames()).collect();
+        let features = Features::of(rig, clip, &frames, self.options.orientation);
+        let predict = |model: &ExampleModel, inputs: &DMatrix<f64>| {
+            model.predict_batch(inputs).map_err(|source| ExampleError::Input { frame: 0, source })
+        };
+        let mut k = predict(&self.configuration, &features.configuration)?;
+        let mut a = predict(&self.acceleration, &features.acceleration)?;
+        let kept: Vec<f64> =
+            k.novelty.iter().map(|n| if self.options.gate { gate(*n) } else { 1.0 }).collect();
+        let predicted = k.mean.clone();
+        for (f, g) in kept.iter().enumerate() {
+            k.mean.row_mut(f).scale_mut(*g);
+            a.mean.row_mut(f).scale_mut(*g);
+        }
+        let w = &self.options.weights;
+        let unsure = k.variance.iter().map(|v| v.sqrt()).collect();
+        let novelty = k.novelty.clone();
+        let evidence = |of: Batch, model: &ExampleModel, learned, source| {
+            Evidence::new(of.mean, &of.variance, signal(model), learned, source)
+        };
+        let configuration = evidence(k, &self.configuration, w.configuration, w.source);
+        let acceleration = evidence(a, &self.acceleration, w.acceleration, w.source_acceleration);
+        let differences = blend(&configuration, &acceleration, 1.0 / clip.rate_hz);
+        Ok(Answer { differences, predicted, unsure, novelty, kept })
+    }
+}
+
+fn check(options: &ExampleOptions) -> Result<(), ExampleError> {
+    let w = &options.weights;
+    let fault = |what, value, allowed| Err(ExampleError::Setting { what, value, allowed });
+    if !(options.examples_hz.is_finite() && options.examples_hz > 0.0) {
+        return fault("`examples_hz`", options.examples_hz, "above 0");
+    }
+    for (what, value) in [
+        ("weight `configuration`", w.configuration),
+        ("weight `source`", w.source),
+        ("weight `acceleration`", w.acceleration),
+        ("weight `source_acceleration`", w.source_acceleration),
+    ] {
+        if !(value.is_finite() && value >= 0.0) {
+            return fault(what, value, "0 or more");
+        }
+    }
+    if w.configuration + w.source <= 0.0 {
+        return fault(
+            "the sum of the weights `configuration` and `source`",
+            0.0,
+            "above 0: something must say where joints are",
+        );
+    }
+    Ok(())
+}
+
+impl Rows {
+    /// The examples of all pairs; the first of them is pair number `first`.
+    fn of(
+        file: &RigFile,
+        pairs: &[Pair],
+        first: usize,
+        options: &ExampleOptions,
+    ) -> Result<Self, ExampleError> {
+        let mut rows = Self {
+            configuration: (Vec::new(), Vec::new()),
+            acceleration: (Vec::new(), Vec::new()),
+            moments: Vec::new(),
+            frames: Vec::new(),
+        };
+        for (i, pair) in pairs.iter().enumerate() {
+            pair.check()?;
+            let named = |e: ExampleError| match e {
+                ExampleError::OtherRig { what } => {
+                    ExampleError::OtherRig { what: format!("pair `{}`: {what}", pair.name) }
+                }
+                other => other,
+            };
+            let source = Rig::find(file, &pair.source.skeleton).map_err(named)?;
+            let target = Rig::find(file, &pair.target.skeleton).map_err(named)?;
+            let frames = pair.examples(options.examples_hz)?;
+            let features = Features::of(&source, &pair.source, &frames, options.orientation);
+            let d = outputs::differences(
+                (&source, &pair.source),
+                (&target, &pair.target),
+                pair.times_s.as_deref(),
+            );
+            let rate_hz = pair.source.rate_hz;
+            let last = d.nrows() - 1;
+            let half = ((0.5 * super::features::APART_S * rate_hz).round() as usize).max(1);
+            for (row, &frame) in frames.iter().enumerate() {
+                rows.configuration.0.extend(features.configuration.row(row).iter());
+                rows.configuration.1.extend(d.row(frame).iter());
+                rows.acceleration.0.extend(features.acceleration.row(row).iter());
+                let (from, to) = (frame.saturating_sub(half), (frame + half).min(last));
+                let bends = parabola(from as i64 - frame as i64, to as i64 - frame as i64, rate_hz);
+                let bend =
+                    |c: usize| (from..=to).zip(&bends).map(|(f, (_, bend))| bend * d[(f, c)]).sum::<f64>();
+                rows.acceleration.1.extend((0..d.ncols()).map(bend));
+                let at_ms = (1e3 * frame as f64 / rate_hz).round() as u32;
+                rows.moments.push(Moment { clip: (first + i) as u32, frame: at_ms });
+                rows.frames.push(ExampleFrame { pair: first + i, frame });
+            }
+        }
+        Ok(rows)
+    }
+
+    /// As examples of the two models.
+    fn examples(&self, rig: &Rig, mirrored: bool) -> Result<[Examples; 2], ExampleError> {
+        let n = self.frames.len();
+        let of = |rows: &(Vec<f64>, Vec<f64>), input: Option<super::rig::Signed>, model| {
+            let matrix = |v: &Vec<f64>| DMatrix::from_row_slice(n, v.len() / n.max(1), v);
+            let mirror = match (mirrored, input, outputs::mirror(rig)) {
+                (true, Some(input), Some(output)) => Some(Mirror { input, output }),
+                _ => None,
+            };
+            Examples::new(matrix(&rows.0), matrix(&rows.1), mirror)
+                .and_then(|e| e.with_moments(self.moments.clone(), (1e3 * APART_S) as u32))
+                .map_err(|source| ExampleError::Fit { model, source })
+        };
+        Ok([
+            of(&self.configuration, mirror_configuration(rig), "configurations")?,
+            of(&self.acceleration, mirror_acceleration(rig), "accelerations")?,
+        ])
+    }
+}
+
+/// σ_f² of a model; the mean square of its targets where it has no kernel.
+fn signal(model: &ExampleModel) -> f64 {
+    let of = match model.as_gp() {
+        Some(gp) => gp.kernel().signal_variance,
+        None => model.examples().targets().norm_squared() / model.examples().targets().len() as f64,
+    };
+    of.max(LEAST_SIGNAL)
+}
+
+/// Of targets that are all zero, squared units.
+const LEAST_SIGNAL: f64 = 1e-18;
