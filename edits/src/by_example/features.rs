@@ -1,4 +1,4 @@
-//! Features: what a frame of the source motion is recognised by [IAF09 §4.5].
+//! Features: what a frame of the source motion is recognised by (IAF09 §4.5).
 //!
 //! In: a clip and its [`Rig`]. Out: for every frame two rows: the configuration feature x^(k), places of all points 0.125 s before,
 //! now and 0.125 s after in the heading frame of now; and the acceleration feature x^(a), accelerations of all points relative to the
@@ -17,7 +17,7 @@ use nalgebra::DMatrix;
 use super::Rig;
 use super::rig::Signed;
 
-/// How far before and after the frame the other two configurations are, s [IAF09].
+/// How far before and after the frame the other two configurations are, s (IAF09).
 pub const APART_S: f64 = 0.125;
 
 /// What is removed of the root's orientation in features.

@@ -1,4 +1,4 @@
-//! Edits by example: a few seconds edited by hand, the same edit on other motion [IAF09].
+//! Edits by example: a few seconds edited by hand, the same edit on other motion (IAF09).
 //!
 //! In: [`Pair`]s of a source clip and its edited version, frame by frame. Out: an [`ExampleEdit`], a model of the edit, which [`ByExample`]
 //! applies to any clip of the same rig as a clip edit: predictions of configurations and of accelerations by two

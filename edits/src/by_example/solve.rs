@@ -1,4 +1,4 @@
-//! The blend of all predictions: the sequence of differences that agrees best with them [IAF09 (12)].
+//! The blend of all predictions: the sequence of differences that agrees best with them (IAF09, 12).
 //!
 //! In: predictions of a configuration model (differences `μ` with variances `σ²`) and of an acceleration model (their second
 //! derivatives `μ_a`, `σ_a²`) for every frame, and the four weights. Out: the differences `D`, one column for each coordinate, that minimise
@@ -16,7 +16,7 @@
 use nalgebra::DMatrix;
 use serde::{Deserialize, Serialize};
 
-/// How much each of the four terms counts [IAF09 §4.3]. See the guide in `docs/BY_EXAMPLE.md`: which to turn when.
+/// How much each of the four terms counts (IAF09 §4.3). See the guide in `docs/BY_EXAMPLE.md`: which to turn when.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct Weights {
