@@ -5,14 +5,20 @@
 //! writes the data there (`X0.f64 Y0.f64 F0.f64`, the same with 1: examples with images, 1,000 frames; row by row, little-endian) and prints
 //! one JSON line of CPU seconds; `lapack/run.sh` runs that and the script in turns. Compare only numbers of one such run.
 
-mod common;
+mod common {
+    #[cfg(unix)]
+    pub mod clock;
+    pub mod data;
+    pub mod side;
+}
 
 use std::hint::black_box;
 use std::path::Path;
 
 #[cfg(unix)]
-use common::least;
-use common::motion;
+use common::clock::least;
+use common::data::motion;
+use common::side::side;
 use criterion::Criterion;
 use learn::{Examples, Mirror, Prediction, RbfOptions, RbfRegression, Scratch};
 use nalgebra::DMatrix;
@@ -25,14 +31,6 @@ const TARGETS: usize = 62;
 struct Data {
     examples: Examples,
     frames: DMatrix<f64>,
-}
-
-/// Left and right halves of the coordinates are exchanged, every third of them negated.
-fn side(dimension: usize) -> Vec<(usize, f64)> {
-    let half = dimension / 2;
-    (0..dimension)
-        .map(|i| ((i + half) % dimension, if (i % half).is_multiple_of(3) { -1.0 } else { 1.0 }))
-        .collect()
 }
 
 fn data(examples: usize, seed: u64) -> Data {

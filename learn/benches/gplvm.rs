@@ -6,14 +6,18 @@
 //! little-endian) and prints one JSON line of CPU seconds; `gpy/run.sh` runs that and GPy in turns. Compare
 //! only numbers of one such run.
 
-mod common;
+mod common {
+    #[cfg(unix)]
+    pub mod clock;
+    pub mod data;
+}
 
 use std::hint::black_box;
 use std::path::Path;
 
 #[cfg(unix)]
-use common::least;
-use common::motion;
+use common::clock::least;
+use common::data::motion;
 use criterion::Criterion;
 use learn::{GplvmOptions, Mapper, Method, Model, Pairs, SharedGplvm};
 use nalgebra::DMatrix;

@@ -5,8 +5,8 @@
 //!
 //! *Novelty* of an input is its distance to the nearest example or image over the spacing of the examples: the 99th
 //! percentile of the distances from each example to its nearest neighbour. Neighbours of the same event (an example's own
-//! image; with moments, frames close in time and their images) do not count, and neither do repetitions (closer than 10⁻⁷ of the widest
-//! distance between examples): a clip at 30 Hz would otherwise have the length of a frame's step for a spacing, and a
+//! image; with moments, frames close in time and their images) do not count, and neither do repetitions (closer than 10⁻⁷ of the
+//! largest distance from the centre): a clip at 30 Hz would otherwise have the length of a frame's step for a spacing, and a
 //! pair given twice a spacing of zero. Examples without a neighbour that counts are left out. If none has one, the
 //! spacing is half of the distance across all examples, and if all are at one place a tenth of the input's length (the same
 //! length that a kernel gets there).
@@ -21,10 +21,14 @@ use crate::parity::Parity;
 
 /// Inputs predicted at once. Always as many, filled up with zeros: an answer does not depend on what else is asked.
 pub(crate) const CHUNK: usize = 64;
-/// Closer than this, relative to the distance across all examples, is a repetition.
+/// Closer than this, relative to the largest distance from the centre, is a repetition.
 const REPEATED: f64 = 1e-7;
 /// Part of the distances to nearest neighbours that the spacing is not below.
 const PERCENTILE: f64 = 0.99;
+/// Squared distances up to this, relative to the squared distance from zero, are rounding.
+const ROUNDING: f64 = 1e-24;
+/// Distances that the median is taken of, about.
+const SAMPLE: usize = 1 << 18;
 /// Length of inputs all at one place, relative to their distance from zero.
 const AT_ONE_PLACE: f64 = 0.1;
 
@@ -238,64 +242,83 @@ impl Cloud {
 
     /// How dense the points lie: see the head of this file.
     pub fn extent(&self, examples: &Examples) -> Extent {
-        let (n, d) = (self.n, self.dim());
-        let mut squared = Squared::default();
-        let mut diameter: f64 = 0.0;
-        // of every point, the squared distances of its neighbours; twice, since what is a repetition depends on the diameter
-        for from in (0..n).step_by(CHUNK) {
-            let count = (n - from).min(CHUNK);
-            self.squared(&self.points[from * d..(from + count) * d], count, &mut squared);
-            diameter = squared.own.iter().chain(&squared.image).fold(diameter, |a, v| a.max(*v));
-        }
-        let scale = self.squares.iter().fold(0.0_f64, |a, v| a.max(*v));
-        // Points at one place: what is left is the rounding of products.
-        let diameter =
-            if diameter <= 1e-24 * scale.max(self.centre_squared()) { 0.0 } else { diameter.sqrt() };
-        if diameter == 0.0 {
-            let length = AT_ONE_PLACE * (self.centre_squared() + scale).sqrt();
-            let length = if length > 0.0 { length } else { 1.0 };
-            return Extent { diameter, spacing: length, median: length };
-        }
-        let repeated = (REPEATED * diameter).powi(2);
-        let mut nearest = Vec::with_capacity(n);
+        let radius = self.squares.iter().fold(0.0_f64, |a, v| a.max(*v));
+        let repeated = REPEATED * REPEATED * radius;
+        let mut extent = Extent { nearest: vec![f64::INFINITY; self.n], repeated, ..Extent::default() };
+        let mut widest: f64 = 0.0;
         let mut sample = Vec::new();
-        let step = (n * n * if self.mirrored { 2 } else { 1 }).div_ceil(1 << 18).max(1);
-        let mut turn = 0;
-        for from in (0..n).step_by(CHUNK) {
-            let count = (n - from).min(CHUNK);
-            self.squared(&self.points[from * d..(from + count) * d], count, &mut squared);
-            let mut best = vec![f64::INFINITY; count];
+        let (n, images) = (self.n, if self.mirrored { 2 } else { 1 });
+        let step = (images * n * n).div_ceil(SAMPLE);
+        self.scan(examples, 0, &mut extent, |i, j, own, image| {
+            widest = widest.max(own).max(image.unwrap_or(0.0));
+            if i != j && (i + n * j).is_multiple_of(step) {
+                sample.push(own);
+                sample.extend(image);
+            }
+        });
+        // Points at one place: what is left is the rounding of products.
+        let from_zero = radius + crate::dense::dot(&self.centre, &self.centre);
+        if widest <= ROUNDING * from_zero {
+            let length = AT_ONE_PLACE * from_zero.sqrt();
+            extent.spacing = if length > 0.0 { length } else { 1.0 };
+            extent.median = extent.spacing;
+            return extent;
+        }
+        extent.diameter = widest.sqrt();
+        sample.sort_by(f64::total_cmp);
+        let median = sample.get(sample.len() / 2).map_or(0.5 * extent.diameter, |v| v.sqrt());
+        extent.median = median.clamp(1e-3 * extent.diameter, extent.diameter);
+        extent.space();
+        extent
+    }
+
+    /// The same when `was` is that of the points before `from`, which are not looked at among themselves again. The median
+    /// stays.
+    pub fn extent_grown(&self, examples: &Examples, was: &Extent, from: usize) -> Extent {
+        if was.diameter == 0.0 {
+            return self.extent(examples);
+        }
+        let mut extent = was.clone();
+        extent.nearest.resize(self.n, f64::INFINITY);
+        let mut widest = was.diameter.powi(2);
+        self.scan(examples, from, &mut extent, |_, _, own, image| {
+            widest = widest.max(own).max(image.unwrap_or(0.0));
+        });
+        extent.diameter = widest.sqrt();
+        extent.space();
+        extent
+    }
+
+    /// Looks at all points against those from `from` on: calls `look` with both numbers and the squared distances to the
+    /// point and to its image, and keeps the nearest that counts.
+    fn scan(
+        &self,
+        examples: &Examples,
+        from: usize,
+        extent: &mut Extent,
+        mut look: impl FnMut(usize, usize, f64, Option<f64>),
+    ) {
+        let (n, d) = (self.n, self.dim());
+        let counts = |v: f64| if v > extent.repeated { v } else { f64::INFINITY };
+        let nearest = &mut extent.nearest;
+        let mut squared = Squared::default();
+        for start in (from..n).step_by(CHUNK) {
+            let count = (n - start).min(CHUNK);
+            self.squared(&self.points[start * d..(start + count) * d], count, &mut squared);
             for (i, row) in squared.own.chunks_exact(count).enumerate() {
-                for (j, v) in row.iter().enumerate() {
-                    let image = squared.image.get(i * count + j).copied().unwrap_or(f64::INFINITY);
-                    if i != from + j {
-                        turn += 1;
-                        if turn % step == 0 {
-                            sample.push(*v);
-                        }
-                        if image.is_finite() && turn % step == step / 2 {
-                            sample.push(image);
-                        }
-                    }
-                    let v = if *v > repeated { *v } else { f64::INFINITY };
-                    let least = if image > repeated { v.min(image) } else { v };
-                    if least < best[j] && !examples.same_event(i, from + j) {
-                        best[j] = least;
+                for (k, &own) in row.iter().enumerate() {
+                    let j = start + k;
+                    let image = squared.image.get(i * count + k).copied();
+                    look(i, j, own, image);
+                    let least = counts(own).min(image.map_or(f64::INFINITY, counts));
+                    let closer = least < nearest[j] || (i < from && least < nearest[i]);
+                    if closer && !examples.same_event(i, j) {
+                        nearest[j] = nearest[j].min(least);
+                        nearest[i] = nearest[i].min(least);
                     }
                 }
             }
-            nearest.extend(best.into_iter().filter(|v| v.is_finite()));
         }
-        sample.sort_by(f64::total_cmp);
-        let median = sample.get(sample.len() / 2).map_or(0.5 * diameter, |v| v.sqrt());
-        nearest.sort_by(f64::total_cmp);
-        let rank = ((PERCENTILE * nearest.len() as f64).ceil() as usize).max(1) - 1;
-        let spacing = nearest.get(rank).map_or(0.5 * diameter, |v| v.sqrt());
-        Extent { diameter, spacing, median: median.clamp(1e-3 * diameter, diameter) }
-    }
-
-    fn centre_squared(&self) -> f64 {
-        crate::dense::dot(&self.centre, &self.centre)
     }
 
     /// `count` points, each the farthest from those before (and from their images), the first the farthest from the
@@ -337,7 +360,7 @@ fn sum_squared(a: &[f64], b: &[f64]) -> f64 {
 }
 
 /// Lengths of a cloud.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub(crate) struct Extent {
     /// The largest distance between two points or images; 0 if all are at one place.
     pub diameter: f64,
@@ -345,4 +368,18 @@ pub(crate) struct Extent {
     pub spacing: f64,
     /// Median of the distances between points.
     pub median: f64,
+    /// Squared distance of each point to the nearest neighbour that counts; infinite if there is none.
+    nearest: Vec<f64>,
+    /// Squared distance up to which a point is a repetition.
+    repeated: f64,
+}
+
+impl Extent {
+    /// Takes the spacing from the nearest neighbours.
+    fn space(&mut self) {
+        let mut all: Vec<f64> = self.nearest.iter().copied().filter(|v| v.is_finite()).collect();
+        all.sort_by(f64::total_cmp);
+        let rank = ((PERCENTILE * all.len() as f64).ceil() as usize).max(1) - 1;
+        self.spacing = all.get(rank).map_or(0.5 * self.diameter, |v| v.sqrt());
+    }
 }

@@ -2,7 +2,7 @@
 //!
 //! In: [`Pairs`] of an input and an output vector each (rows of two matrices, any unit). Out: a model that
 //! predicts the output for a new input, with a variance, a confidence, and whether it extrapolates. All
-//! models are [`Regressor`]s and are fixed once fitted; [`Scratch`] is what a prediction writes into.
+//! models of pairs are [`Regressor`]s and are fixed once fitted; [`Scratch`] is what a prediction writes into.
 //!
 //! | module | holds |
 //! |---|---|
@@ -37,6 +37,22 @@
 //! assert!((pose.mean[0] - 0.55_f64.sin()).abs() < 0.01);
 //! assert!(pose.confidence > 0.99 && !pose.extrapolates());
 //! assert!(mapper.map(&[3.0, 3.0])?.extrapolates());
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+//!
+//! Examples of an edit, predicted where there are none:
+//!
+//! ```
+//! use learn::{ExampleMethod, ExampleModel, ExampleOptions, Examples};
+//! use nalgebra::DMatrix;
+//!
+//! // An edit that adds half a knee's angle to the spine; forty frames, one coordinate each.
+//! let knee = DMatrix::from_fn(40, 1, |i, _| (0.3 * i as f64).sin());
+//! let examples = Examples::new(knee.clone(), knee * 0.5, None)?;
+//! let model = ExampleModel::fit(ExampleMethod::Gp, &examples, &ExampleOptions::default())?;
+//! let batch = model.predict_batch(&DMatrix::from_row_slice(2, 1, &[0.25, 40.0]))?;
+//! assert!((batch.mean[(0, 0)] - 0.125).abs() < 1e-3 && batch.novelty[0] < 1.0);
+//! assert!(batch.mean[(1, 0)].abs() < 1e-3 && batch.novelty[1] > 10.0); // nothing is known there: no edit
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!

@@ -40,10 +40,11 @@ pub struct Prediction {
     /// Variance of every coordinate of the output about `mean`, squared units: noise and what is not known.
     pub variance: f64,
     /// 1 − (mean squared error the model expects)/(variance of the key outputs), at least 0: 1 is sure, 0 is
-    /// no better than the mean of all outputs.
+    /// no better than the mean of all outputs. Of models of examples: as in [`crate::Batch::confidence`].
     pub confidence: f64,
     /// Distance of the input from the nearest of the pairs, divided by the widest gap among those: the
-    /// largest distance from one of them to its nearest neighbour.
+    /// largest distance from one of them to its nearest neighbour. Of models of examples: divided by their spacing
+    /// ([`crate::Batch::novelty`]).
     pub novelty: f64,
 }
 

@@ -55,7 +55,7 @@ impl RbfRegression {
                 self.more_sums(&squared, &new)?
             }
         };
-        self.extent = cloud.extent(&examples);
+        self.extent = cloud.extent_grown(&examples, &self.extent, was);
         (self.examples, self.cloud, self.targets, self.halves) = (examples, cloud, targets, halves);
         self.log_likelihood = self.likelihood();
         Ok(())

@@ -16,8 +16,12 @@
 //! all at one place, one example among them: nothing tells l. The kernel is the start with l a tenth of the input's
 //! distance from zero (1 if that is zero): the mean of the targets there, slightly shrunk, and nothing farther away.
 //!
-//! **Many examples.** Beyond [`RbfOptions::exact_up_to`], images counted, the kernel is learned from an even choice of that many and
-//! all examples enter through inducing points, the farthest of each other (DTC): O(N M²).
+//! **Many examples.** Beyond [`RbfOptions::exact_up_to`], images counted, the kernel is learned from 2,000 of them (or as many as that), runs of
+//! neighbours evenly spread, and all enter through inducing points, each the farthest from those before (DTC; Quiñonero-Candela and
+//! Rasmussen, JMLR 2005): O(N M²). What it costs, in standard deviations of the targets, of 1,500 examples and images
+//! (`cargo run --release -p learn --example inducing`): the RMS error of unseen frames, 0.022 as they are, is 0.024 with 1,000 points,
+//! 0.029 with 750, 0.045 with 400, 0.10 with 100; variances are 1.15, 1.4, 3.1 and 23 times as large, so what is lost is told. A kernel
+//! learned from 2,000 of the 3,000 makes 0.029 of the 0.029, from 500 0.037.
 //!
 //! IAF09: Ikemoto, Arikan, Forsyth. Generalizing motion edits with Gaussian processes. ACM TOG 28(1), 2009.
 
@@ -50,6 +54,10 @@ const NOISE: (f64, f64) = (1e-7, 10.0);
 const SIGNAL: (f64, f64) = (1e-6, 1e3);
 /// Least l over the diameter.
 const LENGTH: f64 = 1e-3;
+/// Most examples, images counted, that a kernel is learned from when there are many.
+const LEARN_FROM: usize = 2000;
+/// Neighbours in each run of examples that a kernel is learned from when there are many.
+const RUN: usize = 20;
 /// Part of s² that is noise at the start.
 const START_NOISE: f64 = 0.01;
 
@@ -99,7 +107,7 @@ pub struct RbfOptions {
     pub kernel: Option<RbfKernel>,
     /// Most examples, images counted, that are taken as they are; more enter through inducing points.
     pub exact_up_to: usize,
-    /// Inducing points, images not counted.
+    /// Inducing points, images not counted. A frame by itself costs O(M²).
     pub inducing: usize,
 }
 
@@ -174,9 +182,9 @@ impl RbfRegression {
             }
             None if examples.effective() <= options.exact_up_to => learn(examples, options)?,
             None => {
-                let most = options.exact_up_to.max(2) * examples.len() / examples.effective();
-                let most = most.max(1);
-                let keep: Vec<usize> = (0..most).map(|i| i * examples.len() / most).collect();
+                let images = examples.effective() / examples.len();
+                let most = (options.exact_up_to.min(LEARN_FROM) / images).max(1);
+                let keep = runs(examples.len(), most);
                 learn(&examples.subset(&keep)?, options)?
             }
         };
@@ -285,6 +293,19 @@ impl RbfRegression {
         }
         value
     }
+}
+
+/// At most `most` of `all` numbers: runs of neighbours, evenly spread. Examples are mostly frames one after the other, and
+/// without neighbours noise cannot be told from what changes fast.
+fn runs(all: usize, most: usize) -> Vec<usize> {
+    let count = (most / RUN).max(1);
+    let length = most.div_ceil(count).min(most);
+    let starts = (0..count).map(|i| i * (all - length) / (count - 1).max(1));
+    let mut keep: Vec<usize> = starts.flat_map(|s| s..s + length).collect();
+    keep.sort_unstable();
+    keep.dedup();
+    keep.truncate(most);
+    keep
 }
 
 fn unlearned(why: &str) -> Learning {

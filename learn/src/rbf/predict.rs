@@ -19,7 +19,8 @@ pub struct Batch {
     /// each other than this input is to any. Neighbours in time and repetitions do not count for the spacing
     /// ([`crate::Examples::with_moments`]).
     pub novelty: Vec<f64>,
-    /// From 0, nothing is known, to 1.
+    /// From 0, nothing is known, to 1. Of Gaussian processes 1 − (variance left, without noise)/σ_f²; the other models say in
+    /// their own words.
     pub confidence: Vec<f64>,
 }
 

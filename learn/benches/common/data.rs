@@ -1,4 +1,4 @@
-//! What the benches share: data, and the time that a thread computed.
+//! Data that benches learn from.
 
 use nalgebra::DMatrix;
 use rand::{RngExt, SeedableRng};
@@ -25,20 +25,4 @@ pub fn motion(frames: usize, channels: usize, seed: u64) -> DMatrix<f64> {
     let bend = DMatrix::from_fn(10, channels, |_, _| normal());
     let noise = DMatrix::from_fn(frames, channels, |_, _| 1e-2 * normal());
     &signals * mix + (&signals * bend).map(|v| 0.3 * v.tanh()) + noise
-}
-
-/// CPU seconds of `work`, the least of `passes`.
-#[cfg(unix)]
-pub fn least(passes: usize, mut work: impl FnMut()) -> f64 {
-    let now = || {
-        let t = rustix::time::clock_gettime(rustix::time::ClockId::ThreadCPUTime);
-        t.tv_sec as f64 + 1e-9 * t.tv_nsec as f64
-    };
-    (0..passes)
-        .map(|_| {
-            let start = now();
-            work();
-            now() - start
-        })
-        .fold(f64::INFINITY, f64::min)
 }
