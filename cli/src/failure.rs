@@ -57,6 +57,7 @@ at_fault!(
     takes::results::folder::FolderError,
     takes::results::analysis_write::AnalysisWriteError,
     takes::starter::StarterError,
+    studies::propagate::PropagateError,
     studies::push::PushError,
     studies::tune::SessionError,
     studies::tune::TuneError,

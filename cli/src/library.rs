@@ -40,7 +40,7 @@ pub fn resolve(command: &mut Command) -> Result<(), Failure> {
             .and(given(&mut args.keyposes, &[Kind::KeyPoses]))
             .and(given(&mut args.body, BODY)),
         Command::Convert(args) => path(&mut args.input, ANY),
-        Command::Library(_) | Command::New(_) => Ok(()),
+        Command::Library(_) | Command::New(_) | Command::Propagate(_) => Ok(()),
     }
 }
 

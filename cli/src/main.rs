@@ -18,6 +18,7 @@
 //! | [`tune`], [`tune_args`] | tension and balance chosen by a search |
 //! | [`sweep`] | the same over a grid, in parts |
 //! | [`mod@retarget`] | a human motion on a character |
+//! | [`mod@propagate`], [`propagate_args`] | an edit learned from examples |
 //! | [`convert`] | one format to another |
 //! | [`library`] | names of the library; `library` and `new` |
 //! | [`output`] | text on standard output |
@@ -39,6 +40,8 @@ mod output;
 mod pareto;
 mod plot;
 mod progress;
+mod propagate;
+mod propagate_args;
 mod push;
 mod render;
 mod retarget;
@@ -70,6 +73,7 @@ fn main() -> ExitCode {
         Command::Push(args) => push::run(&args),
         Command::Tune(args) => tune::run(&args),
         Command::Retarget(args) => retarget::run(&args),
+        Command::Propagate(args) => propagate::run(&args),
         Command::Convert(args) => convert::run(&args),
         Command::Library(args) => library::run(&args),
         Command::New(args) => library::new(&args),

@@ -15,6 +15,7 @@
 //! | [`mujoco_layout`] | between our vectors and MuJoCo's |
 //! | [`table`] | the formats once: endings, what is kept and lost, [`open_clip`], [`open_model`] |
 //! | [`trace_npz`] | a trace as numpy arrays, written and read |
+//! | [`example_file`] | a learned edit, written and read |
 //! | [`analysis`] | an analysis as CSV, MOT and npz |
 //! | [`limits`] | how much a file may hold; reading it |
 //! | [`place`] | places in text files |
@@ -28,6 +29,7 @@ use thiserror::Error;
 pub mod analysis;
 mod attributes;
 pub mod bvh;
+pub mod example_file;
 pub mod glb;
 pub mod limits;
 pub mod mjcf;
@@ -41,6 +43,7 @@ pub mod urdf;
 mod vocabulary;
 pub mod xml;
 
+pub use example_file::ExampleFileError;
 pub use table::{ClipFileError, ClipOut, FORMATS, Format, format_of, open_clip, open_model};
 pub use trace_npz::TraceFileError;
 

@@ -15,6 +15,8 @@ pub const MODEL_BYTES: u64 = 64 << 20;
 pub const CLIP_BYTES: u64 = 2 << 30;
 /// Largest trace on disk.
 pub const TRACE_BYTES: u64 = 8 << 30;
+/// Largest learned edit: an hour of examples at 30 Hz has 800 MB.
+pub const EDIT_BYTES: u64 = 1 << 30;
 /// Most elements of a model with all it includes.
 pub const ELEMENTS: usize = 200_000;
 /// Most attributes of one element.

@@ -110,6 +110,17 @@ pub const FORMATS: &[Format] = &[
         read_model: Some(model::open),
         writes_body: false,
     },
+    Format {
+        name: "learned edit",
+        endings: &["edit"],
+        keeps: "examples and kernels of an edit by example, to the bit; numpy arrays in a zip, with words in RON",
+        loses: "the clips themselves; `contrapposto propagate` and the edit ByExample of a scene read it",
+        read_clip: None,
+        write_clip: None,
+        units: false,
+        read_model: None,
+        writes_body: false,
+    },
 ];
 
 /// Why a file gave no clip, or a clip no file.

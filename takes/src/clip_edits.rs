@@ -3,12 +3,14 @@
 //! In: a [`Motion`] from any source, the edits a scene declares. Out: the motion edited, or an error at the edit that does not fit; of a
 //! script also which joints are now performed as a dense clip, and how tense they are when.
 
+use std::sync::Arc;
+
 use controllers::plan::dense::BLEND_S;
 use controllers::{Dense, DenseJoint};
-use edits::{ClipChange, EditLog, Motion};
+use edits::{ByExample, ClipChange, ClipEdit, EditLog, Motion};
 use motion::{Dof, Joint, TimeMap, Tracks};
 use scenes::SceneError;
-use scenes::scene::{EditKind, Scene};
+use scenes::scene::{EditKind, Scene, StoredEdit};
 
 /// A motion after the clip edits of its scene.
 pub(crate) struct Clips {
@@ -25,13 +27,32 @@ pub(crate) struct Clips {
 pub(crate) fn apply(scene: &Scene, mut motion: Motion, log: &mut EditLog) -> Result<Clips, SceneError> {
     let mut changed = false;
     for e in &scene.edits {
-        let EditKind::Clip(edit) = &e.kind else { continue };
-        let edited =
-            edit.apply(&motion, &e.place, log).map_err(|x| scene.source.error(&e.at, x.to_string()))?;
+        let fault = |x: &dyn std::error::Error| scene.source.error(&e.at, x.to_string());
+        let edited = match &e.kind {
+            EditKind::Track(_) => continue,
+            EditKind::Clip(edit) => edit.apply(&motion, &e.place, log),
+            EditKind::Stored(stored) => open(stored, scene, &e.at)?.apply(&motion, &e.place, log),
+        }
+        .map_err(|x| fault(&x))?;
         changed |= edited.clip != motion.clip || !edited.times.is_identity();
         motion = motion.with(edited);
     }
     Ok(Clips { motion, changed })
+}
+
+/// The edit that a file holds.
+///
+/// # Errors
+/// Files that hold none: at the edit.
+fn open(stored: &StoredEdit, scene: &Scene, at: &str) -> Result<Box<dyn ClipEdit>, SceneError> {
+    match stored {
+        StoredEdit::ByExample { model, amount } => {
+            let edit = formats::example_file::open(model).map_err(|x| {
+                scene.source.error(&format!("{at}.model"), format!("{}: {x}", model.display()))
+            })?;
+            Ok(Box::new(ByExample { amount: *amount, ..ByExample::new(Arc::new(edit)) }))
+        }
+    }
 }
 
 /// The joints of a script that clip edits changed, each with the tension that its elements say at their (edited) times.

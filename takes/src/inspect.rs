@@ -23,7 +23,7 @@ use crate::script::{USUAL_FRAMES_HZ, edited_tracks};
 use edits::EditLog;
 use scenes::angle::deg_from_quat;
 use scenes::library::{self, Kind};
-use scenes::scene::{self, EditKind, Scene};
+use scenes::scene::{self, Scene};
 use scenes::{SceneError, Source, character_file};
 
 /// What is in a file.
@@ -393,9 +393,7 @@ fn of_scene(scene: &Scene) -> Result<SceneInspection, TakeError> {
         }
     };
     let mut edits: Vec<String> = log.edits().iter().map(|e| (*e).to_owned()).collect();
-    edits.extend(
-        scene.edits.iter().filter(|e| matches!(e.kind, EditKind::Clip(_))).map(|e| e.kind.name().to_owned()),
-    );
+    edits.extend(scene.edits.iter().filter(|e| e.kind.is_of_clips()).map(|e| e.kind.name().to_owned()));
     let name = |edit: usize| format!("{} (edit {edit})", log.edits()[edit]);
     let s = &scene.character.skeleton;
     let elements = tracks.elements().map(|(dof, e)| {

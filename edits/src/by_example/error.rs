@@ -100,6 +100,12 @@ pub enum ExampleError {
         /// Why.
         source: InputError,
     },
+    /// Stored parts that do not fit each other.
+    #[error("the stored edit: {what}")]
+    Stored {
+        /// What does not fit.
+        what: String,
+    },
     /// Predicted times that are no motion.
     #[error("the predicted times are no map of time: {0}")]
     Retime(#[from] TimeMapError),

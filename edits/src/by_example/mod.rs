@@ -35,7 +35,7 @@ pub mod solve;
 pub use edit::ByExample;
 pub use error::ExampleError;
 pub use features::Orientation;
-pub use model::{Answer, ExampleEdit, ExampleOptions};
+pub use model::{Answer, ExampleEdit, ExampleFrame, ExampleOptions, Taught};
 pub use pair::Pair;
 pub use rig::Rig;
 pub use solve::Weights;

@@ -11,7 +11,7 @@
 //!
 //! Symbols as in [`super::solve`].
 
-use learn::{Batch, ExampleMethod, ExampleModel, Examples, Mirror, Moment};
+use learn::{Batch, ExampleMethod, ExampleModel, Examples, Mirror, Moment, RbfKernel};
 use motion::Clip;
 use motion::derivatives::parabola;
 use motion::names::Word;
@@ -23,8 +23,8 @@ use super::rig::{Rig, RigFile};
 use super::solve::{Evidence, Weights, blend};
 use super::{ExampleError, Pair, outputs};
 
-/// Neighbours in time do not tell how dense examples lie: those closer than this, s.
-const APART_S: f64 = 0.5;
+/// Neighbours in time do not tell how dense examples lie: those closer than this, ms.
+pub const APART_MS: u32 = 500;
 
 /// Novelty up to which differences are kept whole, and from which on nothing is left of them.
 pub const GATE: (f64, f64) = (0.8, 1.04);
@@ -89,8 +89,7 @@ pub struct ExampleFrame {
 }
 
 /// A learned edit. See the module header.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct ExampleEdit {
     /// The rig it was taught on.
     pub rig: RigFile,
@@ -106,6 +105,15 @@ pub struct ExampleEdit {
     pub configuration: ExampleModel,
     /// From x^(a) to their second derivatives.
     pub acceleration: ExampleModel,
+}
+
+/// What one of the two models was taught, and the kernel it learned: all that is stored of it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Taught {
+    /// The examples.
+    pub examples: Examples,
+    /// The kernel of a Gaussian process.
+    pub kernel: Option<RbfKernel>,
 }
 
 /// What a model says of a clip, one row or entry a frame.
@@ -157,6 +165,50 @@ impl ExampleEdit {
             configuration: learned("configurations", &configuration)?,
             acceleration: learned("accelerations", &acceleration)?,
         })
+    }
+
+    /// What the models of configurations and of accelerations were taught.
+    pub fn taught(&self) -> [Taught; 2] {
+        [&self.configuration, &self.acceleration]
+            .map(|m| Taught { examples: m.examples().clone(), kernel: m.as_gp().map(|gp| gp.kernel()) })
+    }
+
+    /// The edit of which this is stored: kernels are taken as they are, factors are made again.
+    ///
+    /// # Errors
+    /// Examples that do not fit the rig or each other, kernels that are none.
+    pub fn stored(
+        rig: RigFile,
+        options: ExampleOptions,
+        pairs: Vec<String>,
+        frames: Vec<ExampleFrame>,
+        taught: [Taught; 2],
+    ) -> Result<Self, ExampleError> {
+        check(&options)?;
+        let width: usize = rig.joints.iter().map(|(_, m)| m.width()).sum::<usize>() + outputs::ROOT;
+        let points = rig.points.len();
+        let sizes = [3 * (2 + 3 * points), 3 * points];
+        let fault = |what: String| Err(ExampleError::Stored { what });
+        for (of, size) in taught.iter().zip(sizes) {
+            let found = (of.examples.len(), of.examples.inputs().ncols(), of.examples.targets().ncols());
+            let needed = (frames.len(), size, width);
+            if found != needed {
+                return fault(format!("examples × inputs × outputs are {found:?}; the rig needs {needed:?}"));
+            }
+        }
+        if let Some(f) = frames.iter().find(|f| f.pair >= pairs.len()) {
+            return fault(format!("an example of pair {}; there are {}", f.pair, pairs.len()));
+        }
+        let mirrored = taught.iter().all(|t| t.examples.mirror().is_some());
+        let again = |model, of: &Taught| {
+            let mut settings = learn::ExampleOptions::default();
+            settings.gp.kernel = of.kernel;
+            ExampleModel::fit(options.estimator, &of.examples, &settings)
+                .map_err(|source| ExampleError::Fit { model, source })
+        };
+        let (configuration, acceleration) =
+            (again("configurations", &taught[0])?, again("accelerations", &taught[1])?);
+        Ok(Self { rig, options, pairs, frames, mirrored, configuration, acceleration })
     }
 
     /// The same edit with more pairs: hyperparameters stay, factors grow.
@@ -303,7 +355,7 @@ impl Rows {
                 _ => None,
             };
             Examples::new(matrix(&rows.0), matrix(&rows.1), mirror)
-                .and_then(|e| e.with_moments(self.moments.clone(), (1e3 * APART_S) as u32))
+                .and_then(|e| e.with_moments(self.moments.clone(), APART_MS))
                 .map_err(|source| ExampleError::Fit { model, source })
         };
         Ok([

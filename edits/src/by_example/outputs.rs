@@ -27,7 +27,7 @@ use super::features::headings;
 use super::rig::{Moves, Rig, Signed};
 
 /// Columns after those of the joints.
-const ROOT: usize = 8;
+pub(super) const ROOT: usize = 8;
 /// Among them: first of the tilt, height, sideways, forward, turn, time.
 const TILT: usize = 0;
 const HEIGHT: usize = 3;

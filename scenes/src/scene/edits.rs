@@ -5,6 +5,8 @@
 //!
 //! Track edits change a script and come before clip edits, which change what was sampled from it.
 
+use std::path::PathBuf;
+
 use edits::{
     Amount, Amplitude, ClipEdit, ExtentReach, ExtentShoulder, Parameter, Reference, Succession, Tension,
     TrackEdit, Warp, Where,
@@ -20,6 +22,36 @@ pub enum EditKind {
     Track(Box<dyn TrackEdit + Send + Sync>),
     /// A sampled motion, wherever it came from.
     Clip(Box<dyn ClipEdit + Send + Sync>),
+    /// The same, by what a file holds; nothing is opened here.
+    Stored(StoredEdit),
+}
+
+/// A clip edit that a file holds.
+#[derive(Clone, Debug, PartialEq)]
+pub enum StoredEdit {
+    /// An edit learned from examples.
+    ByExample {
+        /// The file of `contrapposto propagate train`.
+        model: PathBuf,
+        /// How much of it; 1 is what was taught.
+        amount: f64,
+    },
+}
+
+impl StoredEdit {
+    /// Its name, as scenes and the log call it.
+    pub fn name(&self) -> &'static str {
+        match self {
+            Self::ByExample { .. } => "by example",
+        }
+    }
+
+    /// Its file.
+    pub fn file(&self) -> &PathBuf {
+        match self {
+            Self::ByExample { model, .. } => model,
+        }
+    }
 }
 
 impl EditKind {
@@ -28,7 +60,13 @@ impl EditKind {
         match self {
             Self::Track(edit) => edit.name(),
             Self::Clip(edit) => edit.name(),
+            Self::Stored(edit) => edit.name(),
         }
+    }
+
+    /// Whether it changes a sampled motion.
+    pub fn is_of_clips(&self) -> bool {
+        !matches!(self, Self::Track(_))
     }
 }
 
@@ -70,9 +108,9 @@ impl Check<'_> {
                 "the edit `{name}` changes the poses of a script; the motion of this scene is: {}",
                 source.describe()
             );
-            return Err(refused(why).with_help("edits of any motion: Warp"));
+            return Err(refused(why).with_help("edits of any motion: Warp, ByExample"));
         }
-        match before.iter().find(|b| matches!(b.kind, EditKind::Clip(_))) {
+        match before.iter().find(|b| b.kind.is_of_clips()) {
             None => Ok(()),
             Some(clip) => Err(refused(format!(
                 "the edit `{name}` changes the script, but `{}` before it changes what was sampled from the script; \
@@ -89,7 +127,8 @@ impl Check<'_> {
             | EditRon::ExtentShoulder { on, repetition, parts, .. }
             | EditRon::ExtentReach { on, repetition, parts, .. }
             | EditRon::Tension { on, repetition, parts, .. } => (on, repetition, parts, None),
-            EditRon::Warp { on, repetition, parts, span_s, .. } => (on, repetition, parts, *span_s),
+            EditRon::Warp { on, repetition, parts, span_s, .. }
+            | EditRon::ByExample { on, repetition, parts, span_s, .. } => (on, repetition, parts, *span_s),
         };
         let track = |edit: Box<dyn TrackEdit + Send + Sync>| EditKind::Track(edit);
         let kind = match e {
@@ -115,6 +154,13 @@ impl Check<'_> {
             }
             EditRon::Tension { .. } => {
                 return Err(self.source.error(at, "a Tension takes either `factor` or `absolute`"));
+            }
+            EditRon::ByExample { model, amount, .. } => {
+                let at_model = format!("{at}.model");
+                EditKind::Stored(StoredEdit::ByExample {
+                    model: self.source.beside(&at_model, "learned edit", model)?,
+                    amount: self.within(&format!("{at}.amount"), amount.unwrap_or(1.0), 0.0, 1.5, "")?,
+                })
             }
             EditRon::Warp { times_s, .. } => EditKind::Clip(Box::new(Warp { anchors: times_s.clone() })),
         };

@@ -126,4 +126,14 @@ pub enum EditRon {
         span_s: Option<(f64, f64)>,
         times_s: Vec<(f64, f64)>,
     },
+    ByExample {
+        #[serde(default)]
+        on: String,
+        repetition: Option<usize>,
+        #[serde(default)]
+        parts: Vec<String>,
+        span_s: Option<(f64, f64)>,
+        model: String,
+        amount: Option<f64>,
+    },
 }
