@@ -12,7 +12,19 @@ use std::path::{Path, PathBuf};
 use source::ModulePath;
 
 /// Crates in which there must be none.
-const STRAIGHT: [&str; 4] = ["plots", "scenes", "takes", "studies"];
+const STRAIGHT: [&str; 11] = [
+    "motion",
+    "bodies",
+    "dynamics",
+    "formats",
+    "plots",
+    "sim",
+    "scenes",
+    "takes",
+    "studies",
+    "crosscheck",
+    "cli",
+];
 
 /// Folders of the crates of a checkout, by name.
 fn crates(root: &Path) -> Vec<(String, PathBuf)> {
