@@ -99,7 +99,10 @@ fn scripts_have_the_values_of_the_text() {
     assert!(spec.moves() && s.motion.describe() == "script" && s.motion.files().is_empty());
     assert_eq!((spec.settle_s, spec.planted.len(), spec.script.properties.tension), (0.5, 1, Some(2.0)));
     let action = &spec.script.actions[0];
-    assert_eq!((action.start_s, action.properties.duration_s, action.cycles[0].repetitions), (0.5, Some(0.4), 3));
+    assert_eq!(
+        (action.start_s, action.properties.duration_s, action.cycles[0].repetitions),
+        (0.5, Some(0.4), 3)
+    );
     let values = &action.cycles[0].poses[0].values;
     let of = |name: &str| values.iter().find(|v| v.dof == name).unwrap_or_else(|| panic!("{name}"));
     let Value::Scalar(elbow) = of("elbow_r").value else { panic!("a hinge") };
@@ -124,7 +127,9 @@ fn the_rest_of_a_scene_has_the_values_of_the_text() {
     let work = &s.motion.script().unwrap().footwork;
     let (step, jump) = (&work.steps[0], &work.jumps[0]);
     assert_eq!((step.start_s, step.duration_s, step.to, step.lift), (1.0, 0.5, [0.1, 0.2], 0.05));
-    assert!((step.turn - 30f64.to_radians()).abs() < 1e-15 && (jump.point - 20f64.to_radians()).abs() < 1e-15);
+    assert!(
+        (step.turn - 30f64.to_radians()).abs() < 1e-15 && (jump.point - 20f64.to_radians()).abs() < 1e-15
+    );
     assert!(!work.is_still() && work.jumps.len() == 1);
 
     let script = "script: [Action(name: \"a\", cycles: [Cycle(poses: [Pose(duration_s: 1, set_deg: { \"elbow_r\": 90 })])])]";
@@ -299,7 +304,8 @@ fn contacts_are_read_and_refused() {
         contact_file::read(&path, &lamp, 2.0)
     };
     let phase = |point: &str, from_s, to_s| Phase { point: point.into(), from_s, to_s };
-    let phases = [phase("base_back", 0.0, 0.12345), phase("base_front", 0.5, 1.0), phase("base_front", 1.25, 2.0)];
+    let phases =
+        [phase("base_back", 0.0, 0.12345), phase("base_front", 0.5, 1.0), phase("base_front", 1.25, 2.0)];
     let text = contact_file::text(&lamp, &phases);
     assert!(text.contains("\"base_left\": [],"), "{text}");
     let back = read(&text).unwrap_or_else(|e| panic!("{e}"));
@@ -311,10 +317,16 @@ fn contacts_are_read_and_refused() {
     for (text, words) in [
         ("(points: {\"base_lft\": []})", "unknown contact point `base_lft`; did you mean `base_left`?"),
         ("(points: {\"eyes\": []})", "unknown contact point `eyes`"),
-        ("(points: {\"base_left\": [(1, 0.5)]})", "a contact from 1 to 0.5 s; allowed: 0 to 2.000 s, the earlier time first"),
+        (
+            "(points: {\"base_left\": [(1, 0.5)]})",
+            "a contact from 1 to 0.5 s; allowed: 0 to 2.000 s, the earlier time first",
+        ),
         ("(points: {\"base_left\": [(0, 2.1)]})", "a contact from 0 to 2.1 s"),
         ("(points: {\"base_left\": [(-1, 1)]})", "a contact from -1 to 1 s"),
-        ("(points: {\"base_left\": [(0, 1), (1, 2)]})", "a contact from 1 s on; the one before ends at 1 s: join them"),
+        (
+            "(points: {\"base_left\": [(0, 1), (1, 2)]})",
+            "a contact from 1 s on; the one before ends at 1 s: join them",
+        ),
         ("(points: {}, more: 1)", "more"),
     ] {
         let said = fault(text);
