@@ -343,7 +343,7 @@ fn patches_and_overrides_change_what_they_name() {
     std::fs::write(&path, "Patch(set: {\"catch_gain\": (is: 1.25)})").unwrap();
     let patch = Patch::read(&path).unwrap_or_else(|e| panic!("{e}"));
     let plain = scene("").conditions.physics;
-    let mut physics = plain.clone();
+    let mut physics = plain;
     patch.apply(&mut physics);
     assert_ne!(physics.balance, plain.balance);
     assert_eq!(physics.tension, plain.tension);
@@ -355,7 +355,7 @@ fn patches_and_overrides_change_what_they_name() {
     let human = s.character;
     let weight = human.mass() * plain.gravity.norm();
     let with = |o: Overrides| {
-        let mut p = plain.clone();
+        let mut p = plain;
         o.apply(&mut p, &human);
         p
     };

@@ -106,7 +106,7 @@ fn a_spin_gives_way_to_the_heading_of_the_human() {
     assert!(free[1] > 1.3 * bounds.acceleration, "{free:?}");
     // the hold was found on poses between the two; the path of the centre of mass is exact after it
     assert!(factors[0] < 1.05 * bounds.speed && factors[1] < 1.05 * bounds.acceleration, "{factors:?}");
-    assert!(held.share.iter().any(|s| *s == 1.0), "nothing of the momentum's heading is left");
+    assert!(held.share.contains(&1.0), "nothing of the momentum's heading is left");
     assert!(rms < 1e-9, "{rms}"); // 1e-14 seen
 }
 
