@@ -6,3 +6,4 @@ mod laws;
 mod program;
 mod promises;
 mod scenes;
+mod third_party;

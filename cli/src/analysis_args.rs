@@ -10,7 +10,7 @@ use takes::AnalysisSettings;
 use takes::results::analysis_figures::AnalysisFigure;
 use takes::results::analysis_write::Table;
 
-use crate::args::{ClipArgs, number, view_help};
+use crate::common_args::{ClipArgs, number, view_help};
 use crate::words::word;
 
 /// A figure of `plot`, or all of them.

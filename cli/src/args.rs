@@ -3,14 +3,12 @@
 use std::path::PathBuf;
 
 use clap::{Args, Parser, Subcommand};
-use formats::bvh::{Axis, ImportOptions, OffsetRule, TPoseRule};
-use motion::names::Word;
-use plots::{View, ViewName};
+use plots::View;
 use studies::push::PushSettings;
 use takes::overrides::{RATES, RootChoice, SUBSTEPS, Strategy, TENSIONS};
-use takes::{Overrides, Patch, SceneError};
+use takes::{Ask, Overrides, Patch, SceneError};
 
-use crate::engines;
+use crate::common_args::{ClipArgs, engine_help, frame_rate, length, number, view_help, whole};
 use crate::words::word;
 
 /// Motion performed by a body with mass, muscles and contacts.
@@ -79,65 +77,6 @@ pub enum Command {
     New(NewArgs),
 }
 
-/// What is known about a BVH file; what is not said is guessed and printed.
-#[derive(Clone, Debug, Default, Args)]
-pub struct ClipArgs {
-    /// Metres in one unit of the BVH file (0.01 for centimetres); guessed if not given
-    #[arg(long, value_name = "METRES_PER_UNIT", value_parser = length, allow_negative_numbers = true)]
-    pub units: Option<f64>,
-    /// Vertical axis of the BVH file; guessed if not given
-    #[arg(long, value_parser = word::<Axis>())]
-    pub up: Option<Axis>,
-    /// Frames per second of the BVH file; read from its frame time if not given
-    #[arg(long, value_name = "HZ", value_parser = frame_rate, allow_negative_numbers = true)]
-    pub fps: Option<f64>,
-    /// Leave out the first frame, an inserted T-pose; done unasked only where the jump after it is impossible
-    #[arg(long)]
-    pub drop_t_pose: bool,
-    /// Keep the first frame, even if the jump after it is impossible
-    #[arg(long, conflicts_with = "drop_t_pose")]
-    pub keep_t_pose: bool,
-    /// Interpolate the frames in which a joint jumps as no muscle could make it
-    #[arg(long)]
-    pub repair: bool,
-    /// What becomes of joint offsets that move; if not given, small movements are held and larger ones kept
-    #[arg(long, value_parser = word::<OffsetRule>())]
-    pub offsets: Option<OffsetRule>,
-}
-
-impl ClipArgs {
-    /// The same as the importer takes it.
-    pub fn import(&self) -> ImportOptions {
-        let t_pose = match (self.drop_t_pose, self.keep_t_pose) {
-            (true, _) => Some(TPoseRule::Drop),
-            (_, true) => Some(TPoseRule::Keep),
-            _ => None,
-        };
-        ImportOptions {
-            metres_per_unit: self.units,
-            up: self.up,
-            rate_hz: self.fps,
-            t_pose,
-            repair: self.repair,
-            offsets: self.offsets,
-        }
-    }
-
-    /// The first of these options that was given.
-    pub fn given(&self) -> Option<&'static str> {
-        let given = [
-            ("--units", self.units.is_some()),
-            ("--up", self.up.is_some()),
-            ("--fps", self.fps.is_some()),
-            ("--drop-t-pose", self.drop_t_pose),
-            ("--keep-t-pose", self.keep_t_pose),
-            ("--repair", self.repair),
-            ("--offsets", self.offsets.is_some()),
-        ];
-        given.into_iter().find(|(_, is)| *is).map(|(name, _)| name)
-    }
-}
-
 /// What of muscles and simulation may differ from the file's.
 #[derive(Debug, Args)]
 pub struct PhysicsArgs {
@@ -159,21 +98,6 @@ pub struct PhysicsArgs {
     /// Engine that simulates.
     #[arg(long, value_name = "ENGINE", help = engine_help())]
     pub engine: Option<String>,
-}
-
-/// What `--view` takes.
-pub fn view_help() -> String {
-    let names: Vec<&str> = ViewName::WORDS.iter().map(|w| w.1).collect();
-    let names = names.join(", ");
-    format!(
-        "From where film strips are seen: {names}, or degrees, 0 the front and 90 the left [default: the scene's, {}]",
-        ViewName::default().word()
-    )
-}
-
-/// What `--engine` takes.
-pub fn engine_help() -> String {
-    format!("Engine that simulates: {} [default: the scene's, rapier]", engines::help())
 }
 
 impl PhysicsArgs {
@@ -292,6 +216,20 @@ impl RenderArgs {
         let root = self.fidelity.map(RootChoice::Fidelity).or(self.root);
         let past_fall = self.past_fall;
         Ok(Overrides { root, span_s: self.span, past_fall, ..self.physics.overrides()? })
+    }
+
+    /// What is asked beside the file.
+    ///
+    /// # Errors
+    /// A patch that makes no sense.
+    pub fn ask(&self) -> Result<Ask, SceneError> {
+        Ok(Ask {
+            overrides: self.overrides()?,
+            engine: self.physics.engine.clone(),
+            body: self.body.clone(),
+            import: self.clip.import(),
+            no_edits: self.no_edits,
+        })
     }
 
     /// Files that are read beside those that the input names.
@@ -549,16 +487,6 @@ pub fn patch(path: Option<&std::path::Path>) -> Result<Option<Patch>, SceneError
     path.map(Patch::read).transpose()
 }
 
-/// A number in a range.
-pub fn number(text: &str, lo: f64, hi: f64, unit: &str) -> Result<f64, String> {
-    let x: f64 = text.parse().map_err(|_| format!("not a number; allowed: {lo} to {hi}{unit}"))?;
-    if (lo..=hi).contains(&x) { Ok(x) } else { Err(format!("allowed: {lo} to {hi}{unit}")) }
-}
-
-fn length(text: &str) -> Result<f64, String> {
-    number(text, 1e-6, 1e3, " m")
-}
-
 fn tension(text: &str) -> Result<f64, String> {
     number(text, *TENSIONS.start(), *TENSIONS.end(), "")
 }
@@ -569,17 +497,6 @@ fn rate(text: &str) -> Result<f64, String> {
 
 fn fidelity(text: &str) -> Result<f64, String> {
     number(text, 0.0, 1.0, "")
-}
-
-/// Frames per second.
-pub fn frame_rate(text: &str) -> Result<f64, String> {
-    number(text, 1.0, 1e3, " Hz")
-}
-
-/// A whole number in a range.
-pub fn whole(text: &str, lo: usize, hi: usize) -> Result<usize, String> {
-    let n = text.parse().ok().filter(|n| (lo..=hi).contains(n));
-    n.ok_or_else(|| format!("allowed: a whole number from {lo} to {hi}"))
 }
 
 fn states(text: &str) -> Result<usize, String> {

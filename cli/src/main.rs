@@ -30,6 +30,7 @@ mod analysis_args;
 mod analysis_text;
 mod analyze;
 mod args;
+mod common_args;
 mod convert;
 mod crosscheck;
 mod engines;

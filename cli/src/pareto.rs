@@ -14,7 +14,6 @@ use crate::engines::engines;
 use crate::failure::Failure;
 use crate::output;
 use crate::progress::progress;
-use crate::render;
 
 /// Runs the curve; no fidelities are the default ones.
 ///
@@ -23,7 +22,7 @@ use crate::render;
 pub fn run(args: &RenderArgs, fidelities: &[f64]) -> Result<(), Failure> {
     let progress = progress();
     progress.part("staging");
-    let ask = render::ask(args)?;
+    let ask = args.ask().map_err(Failure::input)?;
     // not pinned: a clip that stands is asked for on planted feet
     let ask = Ask { overrides: Overrides { root: Some(RootChoice::Free), ..ask.overrides }, ..ask };
     let take = takes::open(args.input.as_path(), &ask)?;

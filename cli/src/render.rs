@@ -1,6 +1,6 @@
 //! `render`: a scene or a clip to a folder of clips, trace, report and figures.
 
-use takes::{Ask, What};
+use takes::What;
 
 use crate::args::RenderArgs;
 use crate::engines::engines;
@@ -20,7 +20,7 @@ pub fn run(args: &RenderArgs) -> Result<(), Failure> {
     }
     let progress = progress();
     progress.part("staging");
-    let mut take = takes::open(args.input.as_path(), &ask(args)?)?;
+    let mut take = takes::open(args.input.as_path(), &args.ask().map_err(Failure::input)?)?;
     if let Some(view) = args.view {
         take.strip.yaw_deg = Some(view.yaw_deg());
     }
@@ -40,20 +40,6 @@ pub fn run(args: &RenderArgs) -> Result<(), Failure> {
         return Err(Failure::Run(format!("{why}; what was recorded until then is in {dir}")));
     }
     output::undrawn(&written.undrawn, &dir)
-}
-
-/// What is asked beside the file.
-///
-/// # Errors
-/// A patch that makes no sense.
-pub fn ask(args: &RenderArgs) -> Result<Ask, Failure> {
-    Ok(Ask {
-        overrides: args.overrides().map_err(Failure::input)?,
-        engine: args.physics.engine.clone(),
-        body: args.body.clone(),
-        import: args.clip.import(),
-        no_edits: args.no_edits,
-    })
 }
 
 /// Refuses options that would do nothing.

@@ -6,7 +6,7 @@ use clap::Args;
 use motion::names::Word;
 use takes::retarget::{MappingModel, PipelineStage, RefineDofs, SizeRatio, SizeRatioName};
 
-use crate::args::{ClipArgs, frame_rate, whole};
+use crate::common_args::{ClipArgs, frame_rate, whole};
 use crate::words::word;
 
 /// Arguments of `retarget`.

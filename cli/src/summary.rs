@@ -61,7 +61,7 @@ fn write(out: &mut String, take: &Take, report: &Report, dir: &Path) -> std::fmt
         line(out, "captured", &p.text)?;
     }
     let k = &report.kinematic;
-    line(out, "asked for", feet(&k.feet))?;
+    line(out, "asked for", feet(k.feet.as_ref()))?;
     if k.clamped_frames > 0.0 {
         line(out, "", format!("joint limits changed {:.0} % of the frames", 100.0 * k.clamped_frames))?;
     }
@@ -176,7 +176,10 @@ fn spans(out: &mut String, report: &Report) -> std::fmt::Result {
                 let residual = percent(d.root.residual_force_rms_percent_bw);
                 format!(
                     "{}; upper body {:.2}° RMS, links {:.0} mm, unexplained force {residual}, slip {:.0} mm",
-                    d.verdict.text, d.upper_body_rms_deg, d.position_rms_mm, d.feet.slip_mm_max
+                    d.verdict.text,
+                    d.upper_body_rms_deg,
+                    d.position_rms_mm,
+                    d.feet.map_or(0.0, |f| f.slip_mm_max)
                 )
             }
             (None, true) if alone => "stands throughout, feet planted".into(),
@@ -335,7 +338,7 @@ fn performed(out: &mut String, d: &DynamicReport) -> std::fmt::Result {
         line(out, "", format!("worst: {}", worst.join(", ")))?;
     }
     if d.contact.vertical_mean_n.abs() > LEAST_N {
-        line(out, "feet", feet(&d.feet))?;
+        line(out, "feet", feet(d.feet.as_ref()))?;
         let c = &d.contact;
         let mut text = format!(
             "vertical {:.1} N mean, {:.1} N peak; {} at the end; friction used {:.2}",
@@ -373,7 +376,8 @@ fn percent(x: Option<f64>) -> String {
     )
 }
 
-fn feet(f: &FeetReport) -> String {
+fn feet(f: Option<&FeetReport>) -> String {
+    let Some(f) = f else { return "no ground under its feet".into() };
     format!(
         "feet slip {:.1} mm, sink {:.1} mm, float {:.1} mm at most; skate {:.1} mm/s",
         f.slip_mm_max,

@@ -6,7 +6,7 @@ use clap::Args;
 use motion::names::Word;
 use studies::tune::{Axis, SearchStart, Shard, SolverKind};
 
-use crate::args::whole;
+use crate::common_args::{engine_help, whole};
 use crate::words::word;
 
 /// Arguments of `tune`.
@@ -47,7 +47,7 @@ pub struct TuneArgs {
     #[arg(long, value_name = "FILE.ron")]
     pub patch: Option<PathBuf>,
     /// Engine that simulates.
-    #[arg(long, value_name = "ENGINE", help = crate::args::engine_help())]
+    #[arg(long, value_name = "ENGINE", help = engine_help())]
     pub engine: Option<String>,
     /// Forget what an earlier run left in the folder instead of going on with it
     #[arg(long, conflicts_with = "merge")]

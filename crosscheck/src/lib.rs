@@ -20,6 +20,7 @@ pub mod bridge;
 pub mod check;
 pub mod engine;
 pub mod environment;
+mod error;
 pub mod forward;
 pub mod ground;
 pub mod inject;
@@ -32,5 +33,6 @@ pub mod subject;
 
 pub use check::Check;
 pub use engine::engine;
+pub use error::CrossCheckError;
 pub use inject::Injection;
-pub use subject::{CrossCheck, CrossCheckError, Event, Options, run};
+pub use subject::{CrossCheck, Event, Options, run};

@@ -7,7 +7,7 @@ use studies::push::{self, PushError, PushMap, PushSettings};
 use takes::Take;
 
 use crate::check::Check;
-use crate::subject::CrossCheckError;
+use crate::error::CrossCheckError;
 
 /// The mean ratios of the two engines differ by no more than this part of MuJoCo's.
 pub const MEAN_WITHIN: f64 = 0.10;

@@ -14,23 +14,23 @@ use std::sync::Mutex;
 
 use bodies::Character;
 use dynamics::{Model, RootMode};
-use formats::mjcf::{self, MjcfError, MjcfOptions};
-use formats::model::{ImportError, ImportOptions, Imported};
+use formats::mjcf::{self, MjcfOptions};
+use formats::model::{ImportOptions, Imported};
 use formats::model_file::Format;
 use formats::mujoco_layout::Layout;
 use motion::{Quat, Vec3};
 use scenes::Patch;
 use scenes::library::{self, Kind};
 use scenes::overrides::{Overrides, RootChoice};
-use sim::PassError;
 use studies::push::PushSettings;
 use takes::{Ask, Take, TakeError};
 
 use crate::box_contact::{self, LandingRun};
-use crate::bridge::{Bridge, BridgeError, Shared, Source, lock};
+use crate::bridge::{Bridge, Shared, Source, lock};
 use crate::check::Check;
 use crate::engine::engine;
-use crate::environment::{self, EnvironmentError};
+use crate::environment;
+use crate::error::CrossCheckError;
 use crate::forward::{self, ForwardRun};
 use crate::ground::{self, SceneRun};
 use crate::inject::{Injection, InjectionError};
@@ -70,80 +70,6 @@ impl Default for Options {
             states_only: false,
             push_map: None,
         }
-    }
-}
-
-/// Why nothing can be compared.
-#[derive(Debug, thiserror::Error)]
-pub enum CrossCheckError {
-    /// A scene, clip or character file.
-    #[error(transparent)]
-    Take(#[from] TakeError),
-    /// A model file.
-    #[error(transparent)]
-    Import(#[from] ImportError),
-    /// Something else than what can be compared.
-    #[error(
-        "{0}: cannot compare this; allowed: a scene or character (.ron), a clip (.bvh), a physics model (MJCF .xml, .urdf)"
-    )]
-    Kind(String),
-    /// A push map of something that does not stand.
-    #[error("{0}: a push map needs a scene (.ron) of a body that stands free")]
-    NoScene(String),
-    /// A fault that cannot be put in.
-    #[error("--inject: {0}")]
-    Inject(#[from] InjectionError),
-    /// Two files of different kinds.
-    #[error("--against {against}: {what} is compared with a file of its own kind")]
-    Against {
-        /// The other file.
-        against: String,
-        /// What is checked.
-        what: &'static str,
-    },
-    /// More degrees of freedom than are compared.
-    #[error(
-        "the body has {0} degrees of freedom; at most {LARGEST} are compared: every state has a mass matrix"
-    )]
-    TooLarge(usize),
-    /// A character that MJCF has no words for.
-    #[error("no MJCF of this character: {0}")]
-    Mjcf(#[from] MjcfError),
-    /// No MuJoCo.
-    #[error(transparent)]
-    Environment(#[from] EnvironmentError),
-    /// MuJoCo does not answer.
-    #[error(transparent)]
-    Bridge(#[from] BridgeError),
-    /// A run that failed.
-    #[error(transparent)]
-    Pass(#[from] PassError),
-    /// A body that cannot be pushed.
-    #[error(transparent)]
-    Push(studies::push::PushError),
-    /// An engine that failed.
-    #[error(transparent)]
-    Engine(#[from] sim::EngineError),
-}
-
-impl CrossCheckError {
-    /// Whether the input is at fault, not the run.
-    pub fn is_input(&self) -> bool {
-        if let Self::Push(e) = self {
-            return e.is_input();
-        }
-        matches!(
-            self,
-            Self::Take(_)
-                | Self::Import(_)
-                | Self::Kind(_)
-                | Self::NoScene(_)
-                | Self::Inject(_)
-                | Self::Against { .. }
-                | Self::TooLarge(_)
-                | Self::Mjcf(_)
-                | Self::Bridge(BridgeError::Joints(_) | BridgeError::Bodies(_))
-        )
     }
 }
 

@@ -17,7 +17,7 @@
 //! |---|---|
 //! | capture point | c + ċ/ω₀, ω₀ = √(g/h), is outside the support |
 //! | centre of mass | c is outside the support |
-//! | foot slipped | the middle of a sole is [`SLIPPED_M`] farther from its place on the ground than asked |
+//! | foot slipped | the middle of a sole is [`SLIPPED_M`] farther from its place on the ground than asked, and asked to stay |
 //! | foot lifted | the lowest corner of a sole is [`LIFTED_M`] higher over the ground than asked |
 //! | joint limit | the stop of a joint acts with more than [`STOP_NM`] |
 //! | slack muscle | one of a joint's two springs would have to push: the other alone cannot hold the load |
@@ -292,7 +292,8 @@ impl<'a> Search<'a> {
         let slipped = |s: &StandingSole| {
             let gone = t.unturned(row, &s.sole.center(k)) - s.home;
             let was_to = s.sole.center(asked) - s.asked_home;
-            ground(&(gone - was_to)).norm() > SLIPPED_M
+            // a foot that the motion moves is none that has to stay
+            was_to.norm() < SLIPPED_M && ground(&(gone - was_to)).norm() > SLIPPED_M
         };
         let lifted: Vec<bool> =
             self.soles.iter().map(|s| lowest(s, k, row) > lowest(s, asked, 0).max(0.0) + LIFTED_M).collect();

@@ -28,6 +28,18 @@ pub struct Bounds {
 const DEG: f64 = std::f64::consts::PI / 180.0;
 
 impl Bounds {
+    /// Of the global transform, against the same clip with the human's heading: the heading follows the momentum. No joint turns, but for
+    /// rounding.
+    pub const GLOBAL: Self = Self {
+        joint_rad: 1e-6,
+        swaying_rad: 1e-6,
+        root_share: 0.5,
+        root_rad: 90.0 * DEG,
+        speed: 3.0,
+        acceleration: 5.0,
+        deep_elsewhere: true,
+        saturate: false,
+    };
     /// Of contact adjustment: legs reach for places, a plate lies flat.
     pub const CONTACT: Self = Self {
         joint_rad: 60.0 * DEG,
@@ -66,6 +78,8 @@ impl Bounds {
 /// A stage as it is held to bounds.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Step {
+    /// The global transform.
+    Global,
     /// Contact adjustment.
     Contact,
     /// Parts that swing, and links turned apart that would be in one another.
@@ -77,6 +91,7 @@ pub enum Step {
 impl Word for Step {
     const KIND: &'static str = "step";
     const WORDS: &'static [(Self, &'static str, &'static str)] = &[
+        (Self::Global, "global", "The heading that the momentum asks for"),
         (Self::Contact, "contact", "Contact points held on the ground"),
         (Self::Sway, "sway", "Parts that follow by dynamics, links turned apart"),
         (Self::Refine, "refine", "Forces that a ground can give"),

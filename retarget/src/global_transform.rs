@@ -22,6 +22,10 @@
 //! [`GlobalOptions::drift_hz`] the heading follows the human's, above it the momentum:
 //! `ψ = ∫ω − S(∫ω − ψ_h)` with the zero-phase smoother S of [`motion::smooth::whittaker`].
 //!
+//! *Pace.* A slender body has little inertia about the vertical, and where its momentum is to be a whole human's it would spin. Against the
+//! same clip with the human's heading its speeds are held to [`Bounds::GLOBAL`](crate::Bounds::GLOBAL): where they would be beyond,
+//! the heading goes over to the human's and the linear momentum stays what it is ([`GlobalPath`]).
+//!
 //! *Path.* Scaling by one ratio gives the human's path, smaller; with a ratio for each axis, those are the
 //! axes of the human's low-frequency heading, and the path is the integral of the scaled velocity.
 //!
@@ -203,10 +207,109 @@ pub(crate) fn low_pass(x: &[f64], cutoff_hz: f64, rate_hz: f64) -> Vec<f64> {
     out
 }
 
-/// Moves a clip in its local frame so that its momentum is the human's, scaled.
+/// Where a clip in its local frame goes, and the two headings between which it may be: the human's, and that of the momentum.
+#[derive(Clone, Debug)]
+pub struct GlobalPath<'a> {
+    puppet: &'a Puppet,
+    local: &'a Clip,
+    scale: Scale,
+    theirs: MomentumPath,
+    /// Of the local clip.
+    own_com: Vec<Vec3>,
+    /// The path of the centre of mass, world, m; of its height nothing is used.
+    com: Vec<Vec3>,
+    /// The human's heading in every frame, rad, and what of it is slow.
+    headings: Vec<f64>,
+    course: Vec<f64>,
+    /// The heading whose momentum is the human's, scaled, in every frame, rad.
+    turned: Vec<f64>,
+}
+
+impl<'a> GlobalPath<'a> {
+    /// * `human`: the human clip, world, ground at height 0
+    /// * `local`: as many frames of the puppet at the same rate, each in its local frame
+    pub fn new(
+        performer: &Performer,
+        human: &Clip,
+        puppet: &'a Puppet,
+        local: &'a Clip,
+        options: &GlobalOptions,
+    ) -> Self {
+        let scale = Scale::new(performer, puppet, options.size);
+        let dt = 1.0 / human.rate_hz;
+        let (theirs, own) =
+            (MomentumPath::of(&performer.character, human), MomentumPath::of(&puppet.character, local));
+        let headings = headings(human, &performer.features.root);
+        let course = low_pass(&headings, options.drift_hz, human.rate_hz);
+
+        let mut turned = vec![headings[0]];
+        for i in 0..theirs.spin.len() {
+            let missing = scale.inertia.y * theirs.spin[i].y - own.spin[i].y;
+            turned.push(turned[i] + dt * missing / own.inertia[i][(1, 1)]);
+        }
+        let drift: Vec<f64> = turned.iter().zip(&headings).map(|(a, b)| a - b).collect();
+        let drift = low_pass(&drift, options.drift_hz, human.rate_hz);
+        turned.iter_mut().zip(drift).for_each(|(turned, drift)| *turned -= drift);
+
+        let mut com = vec![scale.velocity(course[0], &theirs.com[0])];
+        for i in 1..local.frames() {
+            let course = 0.5 * (course[i - 1] + course[i]);
+            com.push(com[i - 1] + scale.velocity(course, &(theirs.com[i] - theirs.com[i - 1])));
+        }
+        Self { puppet, local, scale, theirs, own_com: own.com, com, headings, course, turned }
+    }
+
+    /// The clip in the world: its centre of mass on the path, and its heading the momentum's by a share of every frame, the human's
+    /// by the rest.
+    pub fn clip(&self, share: impl Fn(usize) -> f64) -> Clip {
+        let mut clip = self.local.clone();
+        for i in 0..clip.frames() {
+            let share = share(i);
+            // to the bit what it is where all of it counts
+            let heading = if share == 1.0 {
+                self.turned[i]
+            } else {
+                self.headings[i] + share * (self.turned[i] - self.headings[i])
+            };
+            let turn = Quat::from_axis_angle(&Vec3::y_axis(), heading);
+            let place = self.com[i] - turn * self.own_com[i];
+            let world_from_local = Transform::from_parts(Vec3::new(place.x, 0.0, place.z).into(), turn);
+            place_root(&self.local.skeleton, clip.pose_mut(i), |root| world_from_local * root);
+        }
+        clip
+    }
+
+    /// The momenta of the human, scaled, and of a clip that [`GlobalPath::clip`] gave.
+    pub fn report(&self, clip: &Clip) -> MomentumReport {
+        let (scale, dt, mass) = (self.scale, 1.0 / clip.rate_hz, self.puppet.character.mass());
+        let after = MomentumPath::of(&self.puppet.character, clip);
+        let steps = |p: &[Vec3]| -> Vec<Vec3> { p.windows(2).map(|w| (w[1] - w[0]) / dt).collect() };
+        let scaled: Vec<Vec3> = steps(&self.theirs.com)
+            .iter()
+            .zip(self.course.windows(2))
+            .map(|(v, course)| scale.velocity(0.5 * (course[0] + course[1]), v) * mass)
+            .collect();
+        let character: Vec<Vec3> = steps(&after.com).iter().map(|v| v * mass).collect();
+        let flat = |v: Vec3| v.x * v.x + v.z * v.z;
+        let missed: f64 = scaled.iter().zip(&character).map(|(a, b)| flat(a - b)).sum();
+        let whole: f64 = scaled.iter().map(|a| flat(*a)).sum();
+        MomentumReport {
+            mass_ratio: scale.mass,
+            size_ratio: scale.size,
+            inertia_ratio: scale.inertia,
+            relative_rms: if whole > 0.0 { (missed / whole).sqrt() } else { 0.0 },
+            human_spin: self.theirs.spin.iter().map(|l| l.y * scale.inertia.y).collect(),
+            character_spin: after.spin.iter().map(|l| l.y).collect(),
+            human: scaled,
+            character,
+        }
+    }
+}
+
+/// Moves a clip in its local frame so that its momentum is the human's, scaled. Its speeds are held to nothing: the
+/// pipeline does that with [`GlobalPath`].
 ///
-/// * `human`: the human clip, world, ground at height 0
-/// * `local`: as many frames of the puppet at the same rate, each in its local frame
+/// * `human`, `local`: as for [`GlobalPath::new`]
 pub fn global_transform(
     performer: &Performer,
     human: &Clip,
@@ -214,55 +317,9 @@ pub fn global_transform(
     local: &Clip,
     options: &GlobalOptions,
 ) -> (Clip, MomentumReport) {
-    let scale = Scale::new(performer, puppet, options.size);
-    let (dt, mass) = (1.0 / human.rate_hz, puppet.character.mass());
-    let (theirs, own) =
-        (MomentumPath::of(&performer.character, human), MomentumPath::of(&puppet.character, local));
-    let headings = headings(human, &performer.features.root);
-    let course = low_pass(&headings, options.drift_hz, human.rate_hz);
-
-    let mut turned = vec![headings[0]];
-    for i in 0..theirs.spin.len() {
-        let missing = scale.inertia.y * theirs.spin[i].y - own.spin[i].y;
-        turned.push(turned[i] + dt * missing / own.inertia[i][(1, 1)]);
-    }
-    let drift: Vec<f64> = turned.iter().zip(&headings).map(|(a, b)| a - b).collect();
-    let drift = low_pass(&drift, options.drift_hz, human.rate_hz);
-
-    let mut clip = local.clone();
-    let mut com = scale.velocity(course[0], &theirs.com[0]);
-    for i in 0..clip.frames() {
-        if i > 0 {
-            let course = 0.5 * (course[i - 1] + course[i]);
-            com += scale.velocity(course, &(theirs.com[i] - theirs.com[i - 1]));
-        }
-        let turn = Quat::from_axis_angle(&Vec3::y_axis(), turned[i] - drift[i]);
-        let place = com - turn * own.com[i];
-        let world_from_local = Transform::from_parts(Vec3::new(place.x, 0.0, place.z).into(), turn);
-        place_root(&local.skeleton, clip.pose_mut(i), |root| world_from_local * root);
-    }
-
-    let after = MomentumPath::of(&puppet.character, &clip);
-    let steps = |p: &[Vec3]| -> Vec<Vec3> { p.windows(2).map(|w| (w[1] - w[0]) / dt).collect() };
-    let scaled: Vec<Vec3> = steps(&theirs.com)
-        .iter()
-        .enumerate()
-        .map(|(i, v)| scale.velocity(0.5 * (course[i] + course[i + 1]), v) * mass)
-        .collect();
-    let character: Vec<Vec3> = steps(&after.com).iter().map(|v| v * mass).collect();
-    let flat = |v: Vec3| v.x * v.x + v.z * v.z;
-    let missed: f64 = scaled.iter().zip(&character).map(|(a, b)| flat(a - b)).sum();
-    let whole: f64 = scaled.iter().map(|a| flat(*a)).sum();
-    let report = MomentumReport {
-        mass_ratio: scale.mass,
-        size_ratio: scale.size,
-        inertia_ratio: scale.inertia,
-        relative_rms: if whole > 0.0 { (missed / whole).sqrt() } else { 0.0 },
-        human_spin: theirs.spin.iter().map(|l| l.y * scale.inertia.y).collect(),
-        character_spin: after.spin.iter().map(|l| l.y).collect(),
-        human: scaled,
-        character,
-    };
+    let path = GlobalPath::new(performer, human, puppet, local, options);
+    let clip = path.clip(|_| 1.0);
+    let report = path.report(&clip);
     (clip, report)
 }
 

@@ -53,7 +53,7 @@ pub mod sway;
 pub use bounds::{Bounds, Step, StepReport, Turned};
 pub use error::RetargetError;
 pub use features::{Features, RootFrame};
-pub use global_transform::{Scale, global_transform};
+pub use global_transform::{GlobalPath, Scale, global_transform};
 pub use guard::Guard;
 pub use guess::guess;
 pub use key_poses::{KeyPose, KeyPoses};

@@ -3,7 +3,7 @@
 //! *Rate.* What is asked for at 30, 60 or 120 Hz is done at 120 Hz, and every fourth, second or each frame is given
 //! ([`LEAST_RATE_HZ`]): whether a foot stands for a tenth of a second, or where a step is jerked too much, is decided once.
 //!
-//! *Bounds.* Every stage after the global transform is held to bounds ([`mod@crate::guard`]), and flights stay flights
+//! *Bounds.* Every stage from the global transform on is held to bounds ([`mod@crate::guard`]), and flights stay flights
 //! ([`flights`]).
 
 use motion::{Clip, Smoothing, Vec3, smooth};
@@ -11,7 +11,7 @@ use motion::{Clip, Smoothing, Vec3, smooth};
 use crate::bounds::{Bounds, Step};
 use crate::contacts::{keep, phases};
 use crate::flights::{self, Flight};
-use crate::global_transform::global_transform;
+use crate::global_transform::GlobalPath;
 use crate::guard::{Guard, length};
 use crate::mapping::{Mapping, map_clip};
 use crate::options::{FlightSpan, PipelineStage};
@@ -104,10 +104,20 @@ fn at_own_rate(
     if options.stop_after == PipelineStage::Map {
         return Ok(out);
     }
-    let (mut moved, momentum) = global_transform(performer, &out.human, puppet, &out.clip, &options.global);
+    let mut refining = options.refine.clone();
+    refining.accepted.extend(mapping.poses.iter().cloned());
+    let guard = Guard::new(puppet, &refining.accepted, gravity);
+    let path = GlobalPath::new(performer, &out.human, puppet, &out.clip, &options.global);
+    let by_human = path.clip(|_| 0.0);
+    let before = guard.before(&by_human);
+    let held = guard.hold(Step::Global, (&by_human, &before), path.clip(|_| 1.0), &Bounds::GLOBAL);
+    // where a share of the heading is held back, the path of the centre of mass stays
+    let mut moved = path.clip(|i| held.share[i]);
+    let momentum = path.report(&moved);
     flights::lift(puppet, &mut moved, &flights);
     out.reached(PipelineStage::Global, moved, puppet, &flights);
     out.momentum = Some(momentum);
+    out.steps.push(held.report);
     if options.stop_after == PipelineStage::Global {
         return Ok(out);
     }
@@ -116,9 +126,6 @@ fn at_own_rate(
         Some(_) => found,
         None => phases::without_flipped_feet(puppet, &out.clip, &found)?,
     };
-    let mut refining = options.refine.clone();
-    refining.accepted.extend(mapping.poses.iter().cloned());
-    let guard = Guard::new(puppet, &refining.accepted, gravity);
     let was = flights::heights(puppet, &out.clip, &flights);
     let before = guard.before(&out.clip);
     let finish = |clip: &mut Clip, spans: &[Vec<PhaseFrames>]| {

@@ -175,6 +175,12 @@ fn of_trace(path: &Path) -> Result<AnalysisInput, AnalysisInputError> {
     let trace = read_trace(path)?;
     let folder = path.parent().and_then(Path::file_name);
     let name = folder.or(path.file_stem()).map_or_else(|| "trace".into(), |s| s.to_string_lossy().into());
+    let ground = match (trace.ground_m, trace.root) {
+        (Some(height), _) => FloorChoice::At(height),
+        // a pinned root touches no ground: that on which the clip was captured is found
+        (None, RootMode::Pinned) => FloorChoice::Detect,
+        (None, _) => FloorChoice::None,
+    };
     Ok(AnalysisInput {
         name,
         path: path.to_owned(),
@@ -183,7 +189,7 @@ fn of_trace(path: &Path) -> Result<AnalysisInput, AnalysisInputError> {
         colors: trace.colors.clone(),
         view: View::default(),
         gravity: trace.gravity,
-        ground: trace.ground_m.map_or(FloorChoice::Detect, FloorChoice::At),
+        ground,
         friction: None,
         source: AnalysisSource::Trace(Box::new(trace)),
     })

@@ -28,6 +28,7 @@ use crate::Conditions;
 use crate::ignored::Ignored;
 use crate::limited::Limited;
 use crate::possible::Shifted;
+use crate::results::gaze_report::GazeReport;
 
 /// The body of a take.
 #[derive(Clone, Debug)]
@@ -217,10 +218,13 @@ impl Take {
         lowest < NEAR_M || lowest == f64::INFINITY
     }
 
-    /// How its motion was performed: the verdict on the run, and the keys of the script that cannot act.
+    /// How its motion was performed: the verdict on the run, gazes that missed, and the keys of the script that cannot act.
     pub fn verdict(&self, outcome: &Outcome) -> Verdict {
         let mut verdict = outcome.verdict.clone();
         let ignored = self.asked.ignored.iter().map(ToString::to_string).collect();
+        for gaze in GazeReport::of(&self.conditions.gazes, &outcome.performed()) {
+            verdict.reasons.extend(gaze.rms_deg.and_then(|x| Reason::gaze(gaze.at_m, x, gaze.peak_at_s)));
+        }
         verdict.reasons.extend(Reason::ignored(ignored));
         verdict
     }

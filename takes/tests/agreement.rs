@@ -15,7 +15,7 @@ fn slow_a_render_and_an_analysis_agree() {
         let analysed = AnalysisReport::new(&input, &input.analyze(&AnalysisSettings::default()).unwrap());
         let said = report.plausibility.unwrap();
         let slip = analysed.ground.feet.unwrap().slip_mm_max;
-        let asked = report.kinematic.feet.slip_mm_max;
+        let asked = report.kinematic.feet.unwrap().slip_mm_max;
         println!(
             "{name}: {}; slip {slip:.1} mm and {asked:.1} mm, {:.1} % outside",
             said.text,

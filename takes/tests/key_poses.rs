@@ -66,7 +66,7 @@ fn performances_are_whole() {
         let seconds = take.asked.clip.duration_s();
         assert!((7.0..=20.0).contains(&seconds), "{name}: {seconds} s");
         assert!(take.asked.clamped < 0.02, "{name}: {}", take.asked.clamped);
-        let feet = takes::Report::of(&take, None, &[]).kinematic.feet;
+        let feet = takes::Report::of(&take, None, &[]).kinematic.feet.unwrap();
         assert!(feet.slip_mm_max < 8.0, "{name}: {} mm", feet.slip_mm_max); // 5.8 mm seen, at lift-off
         assert!(feet.penetration_mm_max < 1.0, "{name}: {} mm", feet.penetration_mm_max);
     }

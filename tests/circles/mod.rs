@@ -11,8 +11,8 @@ use std::path::{Path, PathBuf};
 
 use source::ModulePath;
 
-/// Crates in which there must be none.
-const STRAIGHT: [&str; 4] = ["plots", "scenes", "takes", "studies"];
+/// Crates in which there are some.
+const KNOTTED: [&str; 1] = ["learn"];
 
 /// Folders of the crates of a checkout, by name.
 fn crates(root: &Path) -> Vec<(String, PathBuf)> {
@@ -31,10 +31,7 @@ fn shown(module: &ModulePath) -> String {
 fn files_do_not_import_one_another_in_circles() {
     let other = std::env::var_os("CIRCLES_OF").map(PathBuf::from);
     let crates = crates(&other.clone().unwrap_or_else(support::root));
-    for name in STRAIGHT {
-        let there = crates.iter().any(|(of, _)| of == name);
-        assert!(there || other.is_some(), "no crate `{name}`: {crates:?}");
-    }
+    assert!(other.is_some() || crates.len() > 10, "crates are not found: {crates:?}");
     let mut wrong = Vec::new();
     for (name, src) in &crates {
         let imports = source::imports(src);
@@ -54,7 +51,7 @@ fn files_do_not_import_one_another_in_circles() {
                     println!("        {} → {}", shown(from), shown(to));
                 }
             }
-            if STRAIGHT.contains(&name.as_str()) {
+            if other.is_none() && !KNOTTED.contains(&name.as_str()) {
                 wrong.push(format!("{name}: {}", files.join(", ")));
             }
         }

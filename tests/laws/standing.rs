@@ -30,13 +30,13 @@ fn stands(name: &str, take: &Take, outcome: &Outcome) {
         d.upper_body_rms_deg,
         d.position_rms_mm,
         d.root.residual_force_rms_percent_bw.unwrap(),
-        d.feet.slip_mm_max
+        d.feet.unwrap().slip_mm_max
     );
     assert!(d.upper_body_rms_deg <= 5.0, "{name}: {}°", d.upper_body_rms_deg); // 0.2 seen
     assert!(d.position_rms_mm <= 30.0, "{name}: {} mm", d.position_rms_mm); // 6 seen
     let residual = d.root.residual_force_rms_percent_bw.unwrap();
     assert!(residual <= 0.5, "{name}: {residual}"); // 0.17 seen
-    assert!(d.feet.slip_mm_max <= 20.0, "{name}: {} mm", d.feet.slip_mm_max); // 8 seen
+    assert!(d.feet.unwrap().slip_mm_max <= 20.0, "{name}: {} mm", d.feet.unwrap().slip_mm_max); // 8 seen
 }
 
 /// Drinking, and two calibration stances: one of them on feet far apart, one crouching.

@@ -42,6 +42,33 @@ fn slow_verdicts_are_graded() {
     }
 }
 
+/// Eyes that cannot see what they are turned to have not done as asked, though everything else was; the miss is measured.
+#[test]
+fn slow_a_gaze_that_misses_is_told() {
+    let behind = verdict("gaze_behind.ron");
+    assert_eq!(behind.grade(), Grade::But, "{behind}");
+    let missed = behind.reasons.iter().find(|r| r.name() == "gaze missed").expect("a reason");
+    // 57° seen: the point is 56° beyond neck and trunk
+    assert!(missed.value > 45.0 && missed.value < 75.0, "{behind}");
+    assert!(behind.to_string().contains("its gaze missed (0, 1.5, -2) m by"), "{behind}");
+    // a gaze within reach is as asked
+    let greet = takes::open(support::scene("greet.ron"), &Ask::default()).unwrap();
+    let out = greet.outcome(&Engines::default(), &mut |_| {}).unwrap();
+    assert_eq!(greet.verdict(&out).grade(), Grade::AsAsked, "{}", greet.verdict(&out));
+}
+
+/// A foot that the motion moves has not slipped: what made this body fall is the weight that it shifts off its feet.
+#[test]
+fn slow_a_moved_foot_is_no_cause_of_a_fall() {
+    let take = case("kick_slow.ron");
+    let out = take.outcome(&Engines::default(), &mut |_| {}).unwrap();
+    let fall = out.fall.as_ref().expect("a fall");
+    println!("kick_slow: {fall}");
+    let cause = fall.cause().expect("a cause");
+    assert_ne!(cause.margin, dynamics::fall::Margin::FootSlipped, "{fall}");
+    assert!(cause.time_s > 1.0, "{fall}"); // stands for a second and more
+}
+
 /// A push that topples is named as what made the body fall; so is a motion that asks for the impossible.
 #[test]
 fn slow_a_fall_names_what_brought_it() {

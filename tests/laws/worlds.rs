@@ -57,6 +57,8 @@ fn slow_what_does_not_stand_is_in_flight() {
         assert_eq!(d.verdict.grade, Grade::InFlight.name());
         // 9° seen where sideways gravity drags the soles over the ground
         assert!(d.joint_rms_deg < 12.0, "{world}: {}°", d.joint_rms_deg);
+        // without a ground there is no depth under it, here as in an analysis of what was performed
+        assert_eq!(d.feet.is_some(), take.conditions.physics.ground.is_some(), "{world}");
         let weightless = g.norm() == 0.0;
         assert_eq!(d.root.residual_force_rms_percent_bw.is_none(), weightless, "{world}");
         assert_eq!(d.contact.vertical_end_percent_bw.is_none(), weightless, "{world}");

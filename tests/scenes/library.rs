@@ -1,8 +1,9 @@
 //! Every scene of the library runs, with and without its edits, and does what its first comment says.
 
 use dynamics::RootMode;
+use dynamics::verdict::Ending;
 use motion::{Kinematics, Vec3};
-use takes::{Ask, Engines, Report, Take};
+use takes::{Ask, Engines, Input, Report, Take};
 
 fn take(name: &str) -> Take {
     takes::open(support::scene(name), &Ask::default()).unwrap()
@@ -25,8 +26,8 @@ fn slow_every_scene_stands_with_and_without_edits() {
             assert!(!d.fell && d.diverged.is_none(), "{name}: {d:?}");
             println!("{name}: {}", d.verdict.text);
             // kinematic feet are planted to rounding: 1e-12 mm seen
-            assert!(report.kinematic.feet.slip_mm_max < 1e-3, "{name}: {:?}", report.kinematic.feet);
-            assert!(d.feet.penetration_mm_max < 2.0, "{name}: {:?}", d.feet);
+            assert!(report.kinematic.feet.unwrap().slip_mm_max < 1e-3, "{name}: {:?}", report.kinematic.feet);
+            assert!(d.feet.unwrap().penetration_mm_max < 2.0, "{name}: {:?}", d.feet);
             let contact = &d.contact;
             assert!(contact.friction_used_max <= 1.0, "{name}: {contact:?}");
             // over the still end; 0.02 % seen
@@ -35,6 +36,28 @@ fn slow_every_scene_stands_with_and_without_edits() {
             assert!(d.root.residual_force_rms_percent_bw.unwrap() < 0.5, "{name}: {:?}", d.root);
         }
     }
+}
+
+/// What has no legs and stands by its weight alone has done as asked, and is said to rest on the link that carries it.
+#[test]
+fn slow_the_fan_rests_on_its_foot() {
+    let take = take("fan.ron");
+    assert_eq!(take.body.character.legs().count(), 0);
+    let out = take.outcome(&Engines::default(), &mut |_| {}).unwrap();
+    assert_eq!(out.verdict.ending, Ending::Rests(vec!["foot".into()]), "{}", out.verdict);
+    assert_eq!(take.verdict(&out).to_string(), "performed as asked, the body has no legs and rests on foot");
+    // pushed over it has fallen, and has no legs to catch itself
+    let ron = std::fs::read_to_string(support::scene("fan.ron")).unwrap();
+    let pushed = ron.replacen(
+        "planted: [],",
+        "planted: [], pushes: [Push(link: \"cage\", impulse_ns: 15, towards_deg: 0, start_s: 0.2)],",
+        1,
+    );
+    let input = Input::Text { ron: pushed, base: support::root().join("scenes") };
+    let take = takes::open(input, &Ask::default()).unwrap_or_else(|e| panic!("{e}"));
+    let out = take.outcome(&Engines::default(), &mut |_| {}).unwrap();
+    assert!(out.verdict.to_string().contains("THE BODY FELL"), "{}", out.verdict);
+    assert!(out.verdict.to_string().contains("it has no legs to stand on"), "{}", out.verdict);
 }
 
 /// The trunk of the bow is pitched by at least 45° at the deepest, in the dynamic pass; feet are no

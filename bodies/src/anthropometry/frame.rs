@@ -15,7 +15,7 @@ use motion::rotation::{between, exp, swing_twist};
 use motion::{Clip, Kinematics, Quat, Skeleton, Vec3};
 
 use super::aliases::{Anatomy, Role, Side};
-use super::guess::GuessError;
+use super::error::GuessError;
 use super::segments::Table;
 
 /// A skeleton in its neutral pose. See the module header.

@@ -17,6 +17,7 @@
 //! | [`human`] | the standard figure of the project |
 
 pub mod aliases;
+mod error;
 pub mod frame;
 pub mod guess;
 pub mod human;
@@ -24,10 +25,12 @@ pub mod limits;
 mod names;
 pub mod segments;
 pub mod shapes;
+mod side;
 pub mod standing;
 
 pub use aliases::{Anatomy, AnatomyError, Role, Side};
-pub use guess::{BodyOptions, BodyReport, GuessError, guess_body};
+pub use error::GuessError;
+pub use guess::{BodyOptions, BodyReport, guess_body};
 pub use limits::NeckShare;
 pub use segments::Sex;
 pub use standing::{folded_to_pelvis, guess_body_of_clip, standing_frame};

@@ -3,7 +3,7 @@
 //! In: a name of any rig. Out: left, right or neither, and the part it stands for, if it is known. Case,
 //! separators and namespaces do not matter.
 
-use super::aliases::Side;
+use super::side::Side;
 
 /// What a name says by itself.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -14,8 +14,9 @@ use std::sync::Arc;
 use motion::{Clip, Joint, Kinematics, Link, Skeleton, Transform};
 
 use super::aliases::{Anatomy, pelvis_below_root};
+use super::error::GuessError;
 use super::frame::{Posed, UP, feet_with_toes};
-use super::guess::{BodyOptions, BodyReport, GuessError, guess_body};
+use super::guess::{BodyOptions, BodyReport, guess_body};
 use crate::{Character, PoseMap};
 
 /// Of long clips about as many frames are looked at.

@@ -42,6 +42,27 @@ fn slow_a_clip() {
     assert_eq!(csv.lines().count() as f64, number(&r, "frames") + 1.0);
 }
 
+/// Where there is no ground none is found: feet have no depth under it, and every frame is in flight.
+#[test]
+fn a_run_without_ground_has_none() {
+    let place = Place::new();
+    let ron = "Scene(character: \"characters/human.ron\", rate_hz: 60, settle_s: 0.3, world: (ground: None))";
+    place.scene("", "");
+    let scene = place.write("falls.ron", ron);
+    let done = place.run(&["render", scene.to_str().unwrap(), "--no-plots", "--out", "run"]);
+    assert_eq!(done.code, 0, "{}", done.stderr);
+    assert!(done.stdout.contains("no ground under its feet"), "{}", done.stdout);
+    let run = place.report("run");
+    assert!(run["kinematic"]["feet"].is_null() && run["dynamic"]["feet"].is_null(), "{run:#}");
+    for input in ["run", "falls.ron"] {
+        let done = place.run(&["analyze", input, "--no-plots", "--json", "--out", "a"]);
+        assert_eq!((done.code, done.stderr.as_str()), (0, ""));
+        let r: serde_json::Value = serde_json::from_str(&done.stdout).unwrap();
+        assert!(r["ground"]["height_m"].is_null() && r["ground"]["feet"].is_null(), "{input}: {r:#}");
+        assert_eq!(number(&r, "flight.share"), 1.0, "{input}: {r:#}");
+    }
+}
+
 /// What a run recorded is plausible: its forces come from joints and ground alone. Inverse dynamics finds
 /// the torques that the muscles gave.
 #[test]

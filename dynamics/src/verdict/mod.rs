@@ -13,6 +13,7 @@
 //! | joints at their stops | a joint is pressed against the end of its range ([`STOP_NM`](crate::fall::STOP_NM)) for [`STOP_S`] in all | a touch in passing limits nothing |
 //! | far from asked | links are [`FAR_M`] RMS from where they were asked to be | a hand's breadth: another pose |
 //! | momentum unexplained | of a free root, a force over [`UNEXPLAINED_S`] beyond [`UNEXPLAINED`] of the largest ground force and [`UNEXPLAINED_N`] | \[HUS15\]: beyond, a simulation explains nothing |
+//! | gaze missed | eyes that are turned to a point miss it by [`GAZE_DEG`] RMS; the composer of the take measures it | eyes turn that far in a head without being seen to; farther, the body looks elsewhere |
 //! | keys ignored | keys of the script cannot act; the composer of the take knows which | – |
 //!
 //! \[HUS15\] Hicks, Uchida, Seth et al. Is my model good enough? Best practices for verification and validation of
@@ -46,6 +47,8 @@ pub const UNEXPLAINED: f64 = 0.05;
 pub const UNEXPLAINED_S: f64 = 0.05;
 /// Unexplained force that is always allowed, N: what is good for OpenSim.
 pub const UNEXPLAINED_N: f64 = 10.0;
+/// Angle between the line of sight and the point looked at, RMS, degrees.
+pub const GAZE_DEG: f64 = 10.0;
 /// A verdict in one word.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Grade {
@@ -137,6 +140,8 @@ pub enum What {
     FarFromAsked,
     /// Largest unexplained force, N.
     Unexplained,
+    /// The eyes missed a point that they were turned to, degrees RMS: the point, world, m.
+    GazeMissed([f64; 3]),
     /// Keys that do not act: a sentence about each group; the value is their number.
     KeysIgnored(Vec<String>),
 }
@@ -161,6 +166,12 @@ impl Reason {
         (value > 0.0).then_some(Self { what: What::KeysIgnored(sentences), value, limit: 0.0, at_s: None })
     }
 
+    /// A gaze at a point (world, m) that missed it by `rms_deg`, furthest at `at_s`; `None` if it did not.
+    pub fn gaze(at_m: [f64; 3], rms_deg: f64, at_s: Option<f64>) -> Option<Self> {
+        let what = What::GazeMissed(at_m);
+        (rms_deg > GAZE_DEG).then_some(Self { what, value: rms_deg, limit: GAZE_DEG, at_s })
+    }
+
     /// As reports name it.
     pub fn name(&self) -> &'static str {
         match self.what {
@@ -170,6 +181,7 @@ impl Reason {
             What::AtStop { .. } => "joints at their stops",
             What::FarFromAsked => "far from asked",
             What::Unexplained => "momentum unexplained",
+            What::GazeMissed(_) => "gaze missed",
             What::KeysIgnored(_) => "keys ignored",
         }
     }
@@ -181,6 +193,7 @@ impl Reason {
             What::LeftGround | What::AtStop { .. } => "s",
             What::LandedHard => "body weights",
             What::Unexplained => "N",
+            What::GazeMissed(_) => "°",
             What::KeysIgnored(_) => "groups of keys",
         }
     }
@@ -204,6 +217,9 @@ impl fmt::Display for Reason {
             What::FarFromAsked => write!(f, "links were {x:.0} mm RMS from where they were asked to be"),
             What::Unexplained => {
                 write!(f, "WARNING: {x:.0} N are unexplained, more than {:.0} N: do not trust it", self.limit)
+            }
+            What::GazeMissed([a, b, c]) => {
+                write!(f, "its gaze missed ({a}, {b}, {c}) m by {x:.0}° RMS, most")
             }
             What::KeysIgnored(sentences) => match &sentences[..] {
                 [] => write!(f, "no keys are ignored"),

@@ -2,7 +2,7 @@
 
 use motion::{Clip, Kinematics, Quat, Vec3};
 use retarget::global_transform::{global_transform, headings, in_local_frame};
-use retarget::{GlobalOptions, Performer, Puppet, SizeRatio};
+use retarget::{Bounds, GlobalOptions, GlobalPath, Guard, Performer, Puppet, SizeRatio, Step};
 
 use crate::bodies::{mocap, puppet, same_angles, scaled};
 
@@ -75,6 +75,39 @@ fn momentum_is_the_scaled_human_one() {
         let all: f64 = report.human_spin.iter().map(|a| a * a).sum();
         println!("  spin mismatch {:.3}", (spin / all).sqrt());
     }
+}
+
+/// A body whose momentum would spin it faster than its bounds takes over the human's heading there, and its linear momentum stays
+/// what it is. Without the hold it is beyond them.
+#[test]
+fn a_spin_gives_way_to_the_heading_of_the_human() {
+    let (performer, human) = mocap("05_03");
+    let puppet = puppet(scaled(&performer.character, 0.5, 0.7));
+    let angles = same_angles(&human, &puppet.character, 0.5);
+    // a body that keeps still has all of the human's angular momentum in its heading
+    let still = Clip::new(angles.skeleton.clone(), angles.rate_hz, angles.pose(0).repeat(angles.frames()));
+    let local = in_local_frame(&still, &puppet.features.root);
+    let path = GlobalPath::new(&performer, &human, &puppet, &local, &GlobalOptions::default());
+    let (by_human, by_momentum) = (path.clip(|_| 0.0), path.clip(|_| 1.0));
+    let own = headings(&by_human, &puppet.features.root);
+    let theirs = headings(&human, &performer.features.root);
+    let apart = own.iter().zip(&theirs).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+    assert!(apart < 1e-9, "{apart} rad"); // 1e-14 seen
+
+    let guard = Guard::new(&puppet, &[], 9.81);
+    let before = guard.before(&by_human);
+    let bounds = Bounds { speed: 1.2, acceleration: 1.2, ..Bounds::GLOBAL };
+    let (free, _) = guard.exceeded(&before, &by_momentum, &bounds);
+    let held = guard.hold(Step::Global, (&by_human, &before), by_momentum, &bounds);
+    let moved = path.clip(|i| held.share[i]);
+    let (factors, _) = guard.exceeded(&before, &moved, &bounds);
+    let rms = path.report(&moved).relative_rms;
+    println!("free {free:.2?}, held {factors:.2?} in {:?}, momentum {rms:.1e}", held.report.held_back_s);
+    assert!(free[1] > 1.3 * bounds.acceleration, "{free:?}");
+    // the hold was found on poses between the two; the path of the centre of mass is exact after it
+    assert!(factors[0] < 1.05 * bounds.speed && factors[1] < 1.05 * bounds.acceleration, "{factors:?}");
+    assert!(held.share.contains(&1.0), "nothing of the momentum's heading is left");
+    assert!(rms < 1e-9, "{rms}"); // 1e-14 seen
 }
 
 /// A straight human walk stays straight, and the character keeps facing along it.

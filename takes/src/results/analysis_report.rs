@@ -422,7 +422,7 @@ fn ground(input: &AnalysisInput, a: &Analysis) -> GroundReport {
 }
 
 fn flight(a: &Analysis, percent: &dyn Fn(f64) -> Option<f64>) -> FlightReport {
-    let frames: Vec<usize> = (0..a.frames()).filter(|&k| a.flight[k] && a.ground_m.is_some()).collect();
+    let frames: Vec<usize> = (0..a.frames()).filter(|&k| a.flight[k]).collect();
     let squares: f64 = frames.iter().map(|&k| vec_at(&a.residual, 6 * k).norm_squared()).sum();
     let held = (squares / frames.len().max(1) as f64).sqrt();
     FlightReport {

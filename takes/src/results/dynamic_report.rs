@@ -60,8 +60,8 @@ pub struct DynamicReport {
     pub support_margin_mm_min: Option<f64>,
     /// What held the root.
     pub root: RootReport,
-    /// Foot numbers.
-    pub feet: FeetReport,
+    /// Foot numbers; null without ground.
+    pub feet: Option<FeetReport>,
     /// Contact forces; all zero without ground.
     pub contact: ContactForceReport,
     /// Joints too slack for what they had to hold.
@@ -227,7 +227,10 @@ impl DynamicReport {
             support_margin_mm_min: support_margin(t),
             root: root(take, t, c.mass()),
             // a clip whose root is pinned touches no ground
-            feet: t.ground_m.map_or_else(|| feet(take, clip), |_| dynamics::feet::performed(t)).into(),
+            feet: t
+                .ground_m
+                .map_or_else(|| feet(take, clip), |_| Some(dynamics::feet::performed(t)))
+                .map(FeetReport::from),
             contact: contact(t),
             sagging: sagging(take, o),
             leg_tension: o

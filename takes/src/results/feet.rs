@@ -36,15 +36,15 @@ impl From<FeetMetrics> for FeetReport {
     }
 }
 
-/// How the feet of a motion of a take's body move over its ground as it begins.
-pub(crate) fn feet(take: &Take, clip: &Clip) -> FeetMetrics {
+/// How the feet of a motion of a take's body move over its ground as it begins; `None` without ground.
+pub(crate) fn feet(take: &Take, clip: &Clip) -> Option<FeetMetrics> {
     let c = &take.body.character;
     let sites: Vec<_> = c.contacts.iter().map(|&i| &c.skeleton.sites()[i]).collect();
-    let Some(ground) = walked_on(take) else { return metrics::feet(clip, &sites, 0.0) };
+    let ground = walked_on(take)?;
     if ground.up == Vec3::y() {
-        return metrics::feet(clip, &sites, ground.height_m);
+        return Some(metrics::feet(clip, &sites, ground.height_m));
     }
-    metrics::feet(&levelled(clip, |_| ground), &sites, ground.height_m)
+    Some(metrics::feet(&levelled(clip, |_| ground), &sites, ground.height_m))
 }
 
 /// The ground under the feet of a motion. That of a take is made to be stood on; a captured clip whose root is pinned touches

@@ -136,8 +136,8 @@ pub fn span_folder(k: usize) -> String {
 /// The motion asked for.
 #[derive(Clone, Debug, Serialize)]
 pub struct KinematicReport {
-    /// Foot numbers.
-    pub feet: FeetReport,
+    /// Foot numbers; null without ground.
+    pub feet: Option<FeetReport>,
     /// RMS jerk of the links' origins, m/s³.
     pub jerk_rms_m_s3: f64,
     /// Jerk relative to the unedited motion.
@@ -255,7 +255,7 @@ impl Report {
                 mass_kg: c.mass(),
             },
             kinematic: KinematicReport {
-                feet: feet(take, &take.asked.clip).into(),
+                feet: feet(take, &take.asked.clip).map(FeetReport::from),
                 jerk_rms_m_s3: jerk,
                 jerk_ratio: if plain_jerk > 0.0 { jerk / plain_jerk } else { 1.0 },
                 clamped_frames: take.asked.clamped,

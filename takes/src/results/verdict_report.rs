@@ -19,8 +19,8 @@ pub struct VerdictReport {
 /// A reason.
 #[derive(Clone, Debug, Serialize)]
 pub struct ReasonReport {
-    /// `feet slid`, `left the ground`, `landed hard`, `joints at their stops`, `far from asked`, `momentum unexplained` or
-    /// `keys ignored`.
+    /// `feet slid`, `left the ground`, `landed hard`, `joints at their stops`, `far from asked`, `momentum unexplained`,
+    /// `gaze missed` or `keys ignored`.
     pub reason: &'static str,
     /// In words.
     pub text: String,

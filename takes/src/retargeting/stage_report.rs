@@ -28,7 +28,7 @@ impl PhaseNumbers {
 /// How far a stage moved the motion from the stage before, and how far it may.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct StageNumbers {
-    /// The stage: `contact`, `sway` (parts that swing, links turned apart) or `refine`.
+    /// The stage: `global`, `contact`, `sway` (parts that swing, links turned apart) or `refine`.
     pub stage: &'static str,
     /// The joint that was turned farthest; absent if none was.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -149,7 +149,7 @@ fn of_stage(s: &StepReport, out: &mut Vec<String>) {
     if !s.held_back_s.is_empty() {
         let times = spans(s.held_back_s.clone());
         out.push(format!(
-            "{stage} was held back ({times}): it would have been more than {:.0} × as fast as the motion before, accelerated more than {:.0} ×, or put links deeper into one another",
+            "{stage} was held back ({times}): it would have gone beyond a bound, been more than {:.0} × as fast as the motion before, accelerated more than {:.0} ×, or put links deeper into one another",
             s.bounds.speed, s.bounds.acceleration
         ));
     } else if s.speed > StepReport::AT_BOUND * s.bounds.speed
