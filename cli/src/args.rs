@@ -34,6 +34,8 @@ Examples:
   contrapposto tune scenes/stand.ron          choose tension and balance by a search
   contrapposto retarget scenes/performances/anger.ron --to scenes/characters/lamp.ron
                                               the same anger, from a lamp
+  contrapposto pose walk.bvh --frame 40 --drag RightHand=-0.4,1.6,0.3
+                                              another pose there, blended in
   contrapposto convert walk.bvh walk.glb      change the format only
   contrapposto library                        scenes and characters that are inside the program
   contrapposto new first                      a folder with a scene to start from
@@ -44,6 +46,7 @@ A file of that name is meant before it.
 Exit codes: 0 done (also when the body fell), 1 the run failed, 2 something is wrong with the input.";
 
 pub use crate::analysis_args::{AnalyzeArgs, Pick, PlotArgs};
+pub use crate::pose_args::PoseArgs;
 pub use crate::retarget_args::RetargetArgs;
 pub use crate::tune_args::TuneArgs;
 
@@ -66,6 +69,8 @@ pub enum Command {
     Tune(TuneArgs),
     /// Put a human motion on a character of any shape
     Retarget(RetargetArgs),
+    /// Correct a pose of a clip by dragging its joints, and the frames around it with it
+    Pose(PoseArgs),
     /// Write a clip, the kinematic motion of a scene, or a body in another format
     Convert(ConvertArgs),
     /// List the scenes, characters and key poses inside the program, or print one

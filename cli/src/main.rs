@@ -18,6 +18,7 @@
 //! | [`tune`], [`tune_args`] | tension and balance chosen by a search |
 //! | [`sweep`] | the same over a grid, in parts |
 //! | [`mod@retarget`] | a human motion on a character |
+//! | [`pose`], [`pose_args`] | a pose of a clip corrected by dragging |
 //! | [`convert`] | one format to another |
 //! | [`library`] | names of the library; `library` and `new` |
 //! | [`output`] | text on standard output |
@@ -38,6 +39,8 @@ mod library;
 mod output;
 mod pareto;
 mod plot;
+mod pose;
+mod pose_args;
 mod progress;
 mod push;
 mod render;
@@ -70,6 +73,7 @@ fn main() -> ExitCode {
         Command::Push(args) => push::run(&args),
         Command::Tune(args) => tune::run(&args),
         Command::Retarget(args) => retarget::run(&args),
+        Command::Pose(args) => pose::run(&args),
         Command::Convert(args) => convert::run(&args),
         Command::Library(args) => library::run(&args),
         Command::New(args) => library::new(&args),

@@ -6,8 +6,8 @@
 //! Track edits change a script and come before clip edits, which change what was sampled from it.
 
 use edits::{
-    Amount, Amplitude, ClipEdit, ExtentReach, ExtentShoulder, Parameter, Reference, Succession, Tension,
-    TrackEdit, Warp, Where,
+    Amount, Amplitude, ClipEdit, ExtentReach, ExtentShoulder, Parameter, PoseChange, PoseDelta, PoseRequest,
+    Reference, Succession, Tension, TimeDelta, TrackEdit, Warp, Where,
 };
 
 use super::{Check, SceneSource};
@@ -70,7 +70,7 @@ impl Check<'_> {
                 "the edit `{name}` changes the poses of a script; the motion of this scene is: {}",
                 source.describe()
             );
-            return Err(refused(why).with_help("edits of any motion: Warp"));
+            return Err(refused(why).with_help("edits of any motion: Warp, PoseDelta, TimeDelta"));
         }
         match before.iter().find(|b| matches!(b.kind, EditKind::Clip(_))) {
             None => Ok(()),
@@ -89,7 +89,9 @@ impl Check<'_> {
             | EditRon::ExtentShoulder { on, repetition, parts, .. }
             | EditRon::ExtentReach { on, repetition, parts, .. }
             | EditRon::Tension { on, repetition, parts, .. } => (on, repetition, parts, None),
-            EditRon::Warp { on, repetition, parts, span_s, .. } => (on, repetition, parts, *span_s),
+            EditRon::Warp { on, repetition, parts, span_s, .. }
+            | EditRon::PoseDelta { on, repetition, parts, span_s, .. }
+            | EditRon::TimeDelta { on, repetition, parts, span_s, .. } => (on, repetition, parts, *span_s),
         };
         let track = |edit: Box<dyn TrackEdit + Send + Sync>| EditKind::Track(edit);
         let kind = match e {
@@ -115,6 +117,25 @@ impl Check<'_> {
             }
             EditRon::Tension { .. } => {
                 return Err(self.source.error(at, "a Tension takes either `factor` or `absolute`"));
+            }
+            EditRon::PoseDelta { at_s, drag, pin, weight, group, limits, blend_s, block_s, .. } => {
+                let request = PoseRequest {
+                    drag: drag.iter().map(|(name, &(x, y, z))| (name.clone(), [x, y, z])).collect(),
+                    pin: pin.clone(),
+                    weight: weight.iter().map(|(name, w)| (name.clone(), *w)).collect(),
+                    group: group.clone(),
+                    limits: *limits,
+                };
+                let change = PoseChange::Asked(request);
+                EditKind::Clip(Box::new(PoseDelta {
+                    at_s: *at_s,
+                    change,
+                    blend_s: *blend_s,
+                    block_s: *block_s,
+                }))
+            }
+            &EditRon::TimeDelta { at_s, to_s, blend_s, .. } => {
+                EditKind::Clip(Box::new(TimeDelta { at_s, to_s, blend_s }))
             }
             EditRon::Warp { times_s, .. } => EditKind::Clip(Box::new(Warp { anchors: times_s.clone() })),
         };
