@@ -35,6 +35,7 @@
 //! IAF09: Ikemoto, Arikan, Forsyth. Generalizing motion edits with Gaussian processes. ACM TOG 28(1), 2009.
 
 mod check;
+mod limits;
 mod solve;
 pub mod system;
 pub mod turn;

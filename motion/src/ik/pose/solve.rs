@@ -1,15 +1,17 @@
 //! One call of a drag: Newton steps from the last pose, each followed by a step back onto the pins.
 
 use super::system::{COMPLIANCE, System};
-use super::{Handle, Hold, MOST_TURN, Posed, Poser, RESISTANCE, Weld, turn};
+use super::{Handle, Hold, MOST_TURN, Posed, Poser, RESISTANCE, Weld, limits, turn};
 use crate::ik::axes::Axis;
 use crate::rotation::log;
-use crate::skeleton::Limits;
-use crate::{BallLimits, Joint, Kinematics, Range, Skeleton, Vec3};
+use crate::{Kinematics, Vec3};
 
 /// Most Newton steps of one call, and most trials of a step.
 const MOST_STEPS: usize = 4;
 const MOST_TRIES: usize = 8;
+
+/// Most times that a step is solved for again because it ends beyond limits.
+const MOST_ROUNDS: usize = 4;
 
 /// Largest entry of one step, rad or m.
 const FARTHEST: f64 = 0.15;
@@ -53,19 +55,31 @@ impl Poser {
                 merit = self.merit(handles, q);
             }
             tries += 1;
+            let mut forces = true;
             let factored = self.system.factor(true, damping) || {
                 damping *= FIRMER;
-                self.system.factor(true, damping) || self.system.factor(false, damping)
+                forces = self.system.factor(true, damping);
+                forces || self.system.factor(false, damping)
             };
             if !(factored && self.system.factor_constraints()) {
                 break;
             }
             self.multipliers.clone_from(&self.system.multipliers);
-            self.system.newton();
-            let largest = self.system.step.iter().fold(0.0f64, |m, x| m.max(x.abs()));
-            let share = (FARTHEST.min(left) / largest).min(1.0);
-            trial.copy_from_slice(q);
-            s.integrate(&mut trial, &self.system.step, share);
+            let (mut largest, mut share);
+            let mut round = 0;
+            loop {
+                self.system.newton();
+                largest = self.system.step.iter().fold(0.0f64, |m, x| m.max(x.abs()));
+                share = (FARTHEST.min(left) / largest).min(1.0);
+                trial.copy_from_slice(q);
+                s.integrate(&mut trial, &self.system.step, share);
+                round += 1;
+                let again = round < MOST_ROUNDS && self.hold_back(q, &trial);
+                if !(again && self.system.factor(forces, damping) && self.system.factor_constraints()) {
+                    break;
+                }
+                self.system.multipliers.clone_from(&self.multipliers);
+            }
             self.k.update(&s, &trial);
             self.restore(handles, &mut trial);
             let lower = self.merit(handles, &trial) <= merit;
@@ -89,6 +103,9 @@ impl Poser {
             damping *= FIRMER;
         }
         self.trial = trial;
+        if moved {
+            self.clamp(q);
+        }
         moved |= self.polish(handles, q);
         if moved {
             self.kept.fill(false);
@@ -185,8 +202,12 @@ impl Poser {
             row += 6;
         }
         for (i, ranges) in self.ranges.iter().enumerate() {
-            let Some(e) = ranges.as_ref().and_then(|r| beyond(s, q, i, r)) else { continue };
-            limit(system, s.v_at(i), s.links()[i].joint.nv(), &e);
+            let Some(ranges) = ranges else { continue };
+            let excess = limits::excess(s, q, i, ranges);
+            for c in (0..3).filter(|&c| limits::is_beyond(excess[c])) {
+                let out = limits::slope(s, q, i, c) * excess[c].signum();
+                limit(system, s.v_at(i), s.links()[i].joint.nv(), &out, excess[c].abs());
+            }
         }
     }
 
@@ -202,9 +223,11 @@ impl Poser {
             all.clone().filter(|i| !hard(i)).map(|i| system.missed[i].powi(2) / system.compliance[i]).sum();
         let missed: f64 = all.clone().filter(hard).map(|i| system.missed[i].abs()).sum();
         let price = all.filter(hard).fold(1.0f64, |m, i| m.max(system.multipliers[i].abs()));
-        let ways = self.ranges.iter().enumerate();
-        let out: f64 =
-            ways.filter_map(|(i, r)| Some(beyond(&self.skeleton, q, i, r.as_ref()?)?.norm())).sum();
+        let ranges = self.ranges.iter().enumerate();
+        let out: f64 = ranges
+            .filter_map(|(i, r)| Some(limits::excess(&self.skeleton, q, i, r.as_ref()?)))
+            .map(|e| e.iter().map(|x| x.abs()).sum::<f64>())
+            .sum();
         0.5 * (anchors + soft) + 2.0 * price * missed + 2.0 * out
     }
 
@@ -223,6 +246,44 @@ impl Poser {
             if largest > FARTHEST {
                 return;
             }
+        }
+    }
+
+    /// Makes joints that a step would take beyond their limits end at them; returns whether there are any that did not already.
+    ///
+    /// * `trial`: where the step ends
+    fn hold_back(&mut self, q: &[f64], trial: &[f64]) -> bool {
+        let s = &self.skeleton;
+        let mut any = false;
+        for (i, ranges) in self.ranges.iter().enumerate() {
+            let Some(ranges) = ranges else { continue };
+            let (before, after) = (limits::excess(s, q, i, ranges), limits::excess(s, trial, i, ranges));
+            for c in 0..3 {
+                if limits::is_beyond(before[c]) || after[c].abs() <= limits::AT_LIMIT {
+                    continue;
+                }
+                let (at, count, sign) = (s.v_at(i), s.links()[i].joint.nv(), after[c].signum());
+                let bound = if sign > 0.0 { ranges[c].hi } else { ranges[c].lo };
+                // as if it were beyond by what makes the step end at the limit
+                let by = sign * (limits::coordinate(s, q, i, c) - bound);
+                limit(&mut self.system, at, count, &(limits::slope(s, q, i, c) * sign), by);
+                any = true;
+            }
+        }
+        any
+    }
+
+    /// Takes what unfinished steps left beyond the limits back.
+    fn clamp(&mut self, q: &mut [f64]) {
+        let mut moved = false;
+        for (i, ranges) in self.ranges.iter().enumerate() {
+            let free = !self.system.locked.get(self.skeleton.v_at(i)).copied().unwrap_or(true);
+            if let Some(ranges) = ranges.as_ref().filter(|_| free) {
+                moved |= limits::clamp(&self.skeleton, q, i, ranges);
+            }
+        }
+        if moved {
+            self.k.update(&self.skeleton, q);
         }
     }
 
@@ -275,33 +336,15 @@ fn misses(k: &Kinematics, welds: &[Weld], handles: &[Handle], out: &mut [f64]) {
     }
 }
 
-/// The way of a joint back into its ranges, in the tangent of the pose; `None` if it is within them.
-fn beyond(s: &Skeleton, q: &[f64], link: usize, ranges: &[Range; 3]) -> Option<Vec3> {
-    let l = &s.links()[link];
-    match (&l.limits, l.joint) {
-        (Some(Limits::Ball(b)), Joint::Spherical) => {
-            let r = s.rotation(q, link);
-            let clamped = BallLimits { axes: b.axes, ranges: *ranges }.clamp(&r);
-            // clamping rounds: what comes back a few ulps away is no direction to go
-            Some(log(&(clamped * r.inverse()))).filter(|e| e.norm() > 1e-9)
-        }
-        _ => {
-            let x = q[s.q_at(link)];
-            (!ranges[0].contains(x)).then(|| Vec3::x() * (ranges[0].clamp(x) - x))
-        }
-    }
-}
-
-/// Adds a joint beyond its limits by `e`, along its way back.
-fn limit(system: &mut System, at: usize, count: usize, e: &Vec3) {
-    let along = e.normalize();
+/// Adds a joint that is beyond its limit by `by` in the direction `out`.
+fn limit(system: &mut System, at: usize, count: usize, out: &Vec3, by: f64) {
     for a in 0..count {
         if system.locked[at + a] {
             continue;
         }
-        system.gradient[at + a] -= LIMIT * e[a];
+        system.gradient[at + a] += LIMIT * by * out[a];
         for b in a..count {
-            system.stiffen(at + a, at + b, LIMIT * along[a] * along[b]);
+            system.stiffen(at + a, at + b, LIMIT * out[a] * out[b]);
         }
     }
 }
