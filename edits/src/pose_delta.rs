@@ -18,6 +18,9 @@ use crate::pose_request::PoseRequest;
 use crate::poses::within_limits;
 use crate::{ClipEdit, ClipPlace, EditError, EditLog, Edited, Motion};
 
+/// Times that differ by less are one time, s.
+const SAME_S: f64 = 1e-9;
+
 /// How long a pose is blended in, and out, if nothing is said, s.
 pub const BLEND_S: f64 = 0.3;
 
@@ -57,7 +60,7 @@ impl PoseDelta {
             let whole = self.blend_s.min(room);
             if gone <= 0.0 {
                 1.0
-            } else if gone >= whole {
+            } else if gone >= whole - SAME_S {
                 0.0
             } else {
                 1.0 - Curve::EaseInOut.at(gone / whole)

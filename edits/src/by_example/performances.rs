@@ -156,8 +156,9 @@ mod tests {
             s.set_rotation(&mut pose, 0, &exp(&(Vec3::y() * 0.3 * t)));
             s.set_rotation(&mut pose, 1, &exp(&(Vec3::x() * lean)));
             for (k, link) in [2, 4, 6, 8].into_iter().enumerate() {
-                let swing =
-                    0.5 * (phase + [0.0, std::f64::consts::PI, std::f64::consts::PI, 0.0][k]).sin() * if k % 2 == 0 { extent } else { 1.0 };
+                let swing = 0.5
+                    * (phase + [0.0, std::f64::consts::PI, std::f64::consts::PI, 0.0][k]).sin()
+                    * if k % 2 == 0 { extent } else { 1.0 };
                 s.set_rotation(&mut pose, link, &exp(&(Vec3::x() * swing)));
             }
             q.extend(pose);
