@@ -7,9 +7,9 @@
 //! E(q) = ½ Σ_d w_d |x_d(q) − g_d|² + ½ ρ Σ_i w_i |x_i(q) − a_i|²     with pins  x_p(q) = g_p
 //! ```
 //!
-//! Symbols: `x_d` dragged points, `g_d` where to (world, m), `w_d` their weights; `x_i` all joints and the ends of bones without
-//! children, `a_i` where each was when the drag began, `w_i` the weight of its link, ρ = [`RESISTANCE`]. What hangs on a
-//! handle goes with it: its `a_i` are shifted by what the nearest handle above was moved.
+//! Symbols: `x_d` dragged points, `g_d` where to (world, m), `w_d` their weights; `x_i` all joints, and of links without children
+//! the ends of their bones and their sites, such as the corners of soles (which share a weight); `a_i` where each was when the
+//! drag began, `w_i` the weight of its link, ρ = [`RESISTANCE`]. What hangs on a handle goes with it: its `a_i` are shifted by what the nearest handle above was moved.
 //!
 //! *Positions or angles.* The paper's unknowns are joint positions, with a constraint for the length of every bone. Here they are
 //! the joint values, and the cost stays the paper's, in positions. Bones then have their lengths by construction (to
@@ -125,6 +125,10 @@ struct Anchor {
     /// Where it was, and is pulled to.
     was: Vec3,
     to: Vec3,
+    /// Its part of the weight of the link.
+    share: f64,
+    /// Whether it is a site.
+    site: bool,
     weight: f64,
 }
 
@@ -196,10 +200,23 @@ impl Poser {
         let (k, axes) = (Kinematics::new(skeleton, &zero), JointAxes::new(skeleton));
         let mut anchors = Vec::new();
         for (link, l) in skeleton.links().iter().enumerate() {
-            let anchor = |at| Anchor { link, at, was: Vec3::zeros(), to: Vec3::zeros(), weight: 0.0 };
-            anchors.push(anchor(Vec3::zeros()));
-            let leaf = skeleton.links().iter().all(|other| other.parent != Some(link));
-            anchors.extend(l.end.filter(|_| leaf).map(anchor));
+            let anchor = |at, share, site| Anchor {
+                link,
+                at,
+                share,
+                site,
+                was: Vec3::zeros(),
+                to: Vec3::zeros(),
+                weight: 0.0,
+            };
+            anchors.push(anchor(Vec3::zeros(), 1.0, false));
+            if skeleton.links().iter().any(|other| other.parent == Some(link)) {
+                continue;
+            }
+            anchors.extend(l.end.map(|end| anchor(end, 1.0, false)));
+            let sites = || skeleton.sites().iter().filter(|site| site.link == link);
+            let count = sites().count() as f64;
+            anchors.extend(sites().map(|site| anchor(site.at, 1.0 / count, true)));
         }
         Self {
             system: System::new(skeleton, &axes),
@@ -247,7 +264,7 @@ impl Poser {
         self.first.update(&s, q);
         for a in &mut self.anchors {
             a.was = self.first.point(a.link, &a.at);
-            a.weight = RESISTANCE * rules.weights.get(a.link).copied().unwrap_or(1.0);
+            a.weight = RESISTANCE * a.share * rules.weights.get(a.link).copied().unwrap_or(1.0);
         }
         for (i, link) in links.iter().enumerate() {
             let wider = |r: &Range, x: f64| Range::new(r.lo.min(x), r.hi.max(x));
@@ -334,6 +351,9 @@ impl Poser {
         self.system.locked.fill(false);
         self.welds.clear();
         let mut whole: Vec<bool> = self.ranges.iter().map(Option::is_some).collect();
+        for a in self.anchors.iter().filter(|a| a.site) {
+            whole[a.link] = true;
+        }
         for group in groups {
             let mut sorted = group.clone();
             sorted.sort_unstable();
