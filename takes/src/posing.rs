@@ -342,7 +342,7 @@ fn moved(clip: &Clip, before: &[f64], after: &[f64]) -> Vec<(String, f64, f64)> 
                 motion::Joint::Prismatic(_) => &[],
                 _ => &v[at..at + link.joint.nv()],
             };
-            let turned = turn.iter().map(|x| x * x).sum::<f64>().sqrt().to_degrees();
+            let turned = turn.iter().map(|x| x * x).fold(0.0, |sum, x| sum + x).sqrt().to_degrees();
             (link.name.clone(), turned, 1e3 * (a.origin(i) - b.origin(i)).norm())
         })
         .filter(|(_, turned, moved)| *turned > NOTHING || *moved > NOTHING)

@@ -49,6 +49,7 @@ use self::turn::Seen;
 use super::axes::JointAxes;
 use crate::rotation::Quat;
 use crate::skeleton::Limits;
+use crate::symmetry::size_m;
 use crate::{Joint, Kinematics, Range, Skeleton, Transform, Vec3};
 
 /// ρ: what a joint of weight 1 resists its displacement with, against a drag of weight 1.
@@ -58,6 +59,10 @@ pub const RESISTANCE: f64 = 1e-4;
 
 /// Most that a joint turns in one call, rad, or a root or slide moves, m.
 pub const MOST_TURN: f64 = 0.25;
+
+/// What every joint resists a step with, 1/rad², in parts of ρ times the square of the body's size: it settles what no point sees, and
+/// makes a body that has to go over to another valley go there in calls, not in one.
+const VISCOSITY: f64 = 0.07;
 
 /// Most strides of a walk, and most calls until the body rests after it.
 const MOST_STRIDES: usize = 100_000;
@@ -168,6 +173,8 @@ pub struct Poser {
     k: Kinematics,
     axes: JointAxes,
     system: System,
+    /// Resistance to a step, 1/rad².
+    viscosity: f64,
     begun: bool,
     anchors: Vec<Anchor>,
     welds: Vec<Weld>,
@@ -224,6 +231,7 @@ impl Poser {
             before: zero.clone(),
             trial: zero,
             multipliers: Vec::new(),
+            viscosity: VISCOSITY * RESISTANCE * size_m(skeleton).max(1e-3).powi(2),
             begun: false,
             anchors,
             welds: Vec::new(),

@@ -1,7 +1,7 @@
 //! One call of a drag: Newton steps from the last pose, each followed by a step back onto the pins.
 
 use super::system::{COMPLIANCE, System};
-use super::{Handle, Hold, MOST_TURN, Posed, Poser, RESISTANCE, Weld, limits, turn};
+use super::{Handle, Hold, MOST_TURN, Posed, Poser, Weld, limits, turn};
 use crate::ik::axes::Axis;
 use crate::rotation::log;
 use crate::{Kinematics, Vec3};
@@ -27,11 +27,7 @@ const NEARLY_MET: f64 = 1e-8;
 const MOST_POLISHED: usize = 5;
 const MET: f64 = 1e-8;
 
-/// What every joint resists a step with, 1/rad²: as much as [`RESISTANCE`] does at 0.3 m. It settles what no point sees, and makes a
-/// body that has to go over to another valley go there in calls, not in one.
-const VISCOSITY: f64 = 0.1 * RESISTANCE;
-
-/// Factor on it after a step that did not lower the merit.
+/// Factor on the viscosity after a step that did not lower the merit.
 const FIRMER: f64 = 16.0;
 
 /// Stiffness of limits, 1/rad² or 1/m²: joints stay within 1e-8 rad of them under the pull of a drag.
@@ -46,7 +42,7 @@ impl Poser {
         self.k.update(&s, q);
         let (mut left, mut moved, mut still, mut steps) = (MOST_TURN, false, false, 0);
         let mut trial = std::mem::take(&mut self.trial);
-        let (mut damping, mut tries) = (VISCOSITY, 0);
+        let (mut damping, mut tries) = (self.viscosity, 0);
         let mut merit = 0.0;
         let mut fresh = true;
         while steps < MOST_STEPS && tries < MOST_TRIES && left > 0.0 {
@@ -89,7 +85,7 @@ impl Poser {
                 q.copy_from_slice(&trial);
                 (steps, moved, fresh) = (steps + 1, true, true);
                 left -= share * largest;
-                damping = (damping / FIRMER).max(VISCOSITY);
+                damping = (damping / FIRMER).max(self.viscosity);
                 continue;
             }
             // back to the pose before the trial
@@ -298,7 +294,7 @@ impl Poser {
                 break;
             }
             self.assemble(handles, q);
-            if !(self.system.factor(false, VISCOSITY) && self.system.factor_constraints()) {
+            if !(self.system.factor(false, self.viscosity) && self.system.factor_constraints()) {
                 break;
             }
             self.system.restore();
