@@ -34,6 +34,8 @@ Examples:
                                               the same anger, from a lamp
   contrapposto propagate new lean --source walk.bvh --target leaning.bvh
                                               learn an edit from examples
+  contrapposto pose walk.bvh --frame 40 --drag RightHand=-0.4,1.6,0.3
+                                              another pose there, blended in
   contrapposto convert walk.bvh walk.glb      change the format only
   contrapposto library                        scenes and characters that are inside the program
   contrapposto new first                      a folder with a scene to start from
@@ -45,6 +47,7 @@ Exit codes: 0 done (also when the body fell), 1 the run failed, 2 something is w
 
 pub use crate::analysis_args::{AnalyzeArgs, Pick, PlotArgs};
 pub use crate::propagate_args::PropagateArgs;
+pub use crate::pose_args::PoseArgs;
 pub use crate::retarget_args::RetargetArgs;
 pub use crate::tune_args::TuneArgs;
 
@@ -69,6 +72,8 @@ pub enum Command {
     Retarget(RetargetArgs),
     /// Learn an edit from a few edited seconds and apply it to other motion
     Propagate(PropagateArgs),
+    /// Correct a pose of a clip by dragging its joints, and the frames around it with it
+    Pose(PoseArgs),
     /// Write a clip, the kinematic motion of a scene, or a body in another format
     Convert(ConvertArgs),
     /// List the scenes, characters and key poses inside the program, or print one

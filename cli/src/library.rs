@@ -39,6 +39,7 @@ pub fn resolve(command: &mut Command) -> Result<(), Failure> {
             .and(path(&mut args.to, BODY))
             .and(given(&mut args.keyposes, &[Kind::KeyPoses]))
             .and(given(&mut args.body, BODY)),
+        Command::Pose(args) => path(&mut args.input, SCENE),
         Command::Convert(args) => path(&mut args.input, ANY),
         Command::Library(_) | Command::New(_) | Command::Propagate(_) => Ok(()),
     }

@@ -19,6 +19,7 @@
 //! | [`sweep`] | the same over a grid, in parts |
 //! | [`mod@retarget`] | a human motion on a character |
 //! | [`mod@propagate`], [`propagate_args`] | an edit learned from examples |
+//! | [`pose`], [`pose_args`] | a pose of a clip corrected by dragging |
 //! | [`convert`] | one format to another |
 //! | [`library`] | names of the library; `library` and `new` |
 //! | [`output`] | text on standard output |
@@ -40,6 +41,8 @@ mod library;
 mod output;
 mod pareto;
 mod plot;
+mod pose;
+mod pose_args;
 mod progress;
 mod propagate;
 mod propagate_args;
@@ -75,6 +78,7 @@ fn main() -> ExitCode {
         Command::Tune(args) => tune::run(&args),
         Command::Retarget(args) => retarget::run(&args),
         Command::Propagate(args) => propagate::run(&args),
+        Command::Pose(args) => pose::run(&args),
         Command::Convert(args) => convert::run(&args),
         Command::Library(args) => library::run(&args),
         Command::New(args) => library::new(&args),

@@ -20,6 +20,8 @@ mod output;
 mod place;
 #[path = "cli/plot.rs"]
 mod plot;
+#[path = "cli/pose.rs"]
+mod pose;
 #[path = "cli/push.rs"]
 mod push;
 #[path = "cli/references.rs"]

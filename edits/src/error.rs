@@ -1,6 +1,7 @@
 //! What can be wrong with an edit, in words an animator can act on.
 
 use motion::ik::IkError;
+use motion::ik::pose::PoseError;
 use motion::names::nearest;
 use motion::time_map::TimeMapError;
 use thiserror::Error;
@@ -171,6 +172,72 @@ pub enum EditError {
         from_s: f64,
         /// Where it was to go, s.
         to_s: f64,
+    },
+    /// A time that is not in the span.
+    #[error("{edit}: `{what}` is {t_s} s; allowed: {from_s:.3} s to {to_s:.3} s")]
+    TimeOutside {
+        /// The edit.
+        edit: &'static str,
+        /// Which parameter.
+        what: &'static str,
+        /// As written, s.
+        t_s: f64,
+        /// Beginning of the span, s.
+        from_s: f64,
+        /// End of the span, s.
+        to_s: f64,
+    },
+    /// A pose dragged further in time than time may be bent.
+    #[error(
+        "{edit}: the pose moves by {moved_s:.3} s, and has {room_s:.3} s to do it in; `blend_s` must leave more room than it moves"
+    )]
+    NoRoom {
+        /// The edit.
+        edit: &'static str,
+        /// How far the pose is moved, s.
+        moved_s: f64,
+        /// The blend on that side, within the span, s.
+        room_s: f64,
+    },
+    /// A pose without anything to drag.
+    #[error("{edit}: nothing is dragged; name a joint and where it goes, as x, y, z in m, world, Y up")]
+    NothingDragged {
+        /// The edit.
+        edit: &'static str,
+    },
+    /// A pin without a drag.
+    #[error("{edit}: nothing is dragged, so that `{name}` cannot be pinned")]
+    OnlyDragged {
+        /// The edit.
+        edit: &'static str,
+        /// What was pinned.
+        name: String,
+    },
+    /// Limits of a body that has none.
+    #[error("{edit}: `limits`: no joint of this body has limits; those of a scene's character have")]
+    NoLimits {
+        /// The edit.
+        edit: &'static str,
+    },
+    /// A pose that cannot be asked for.
+    #[error("{edit}: {source}")]
+    Pose {
+        /// The edit.
+        edit: &'static str,
+        /// What is wrong.
+        source: PoseError,
+    },
+    /// A difference of poses of the wrong length, or with a number that is not finite.
+    #[error(
+        "{edit}: the difference of the poses must have {needed} finite numbers, as the skeleton needs; found {found}"
+    )]
+    Delta {
+        /// The edit.
+        edit: &'static str,
+        /// Numbers found.
+        found: usize,
+        /// Numbers needed.
+        needed: usize,
     },
     /// A clip that no edit may give.
     #[error("{edit}: the clip it gives {what}")]

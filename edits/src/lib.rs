@@ -23,6 +23,9 @@
 //! | [`tension`] | how stiff the muscles are |
 //! | [`warp`] | a clip retimed by anchors |
 //! | [`by_example`] | an edit learned from a few edited seconds |
+//! | [`pose_delta`] | one pose corrected and blended, or a block of them |
+//! | [`pose_request`] | a pose asked for by dragging |
+//! | [`time_delta`] | one pose dragged in time |
 //! | [`poses`] | elements grouped by pose: for edits that think in poses |
 //! | [`error`] | what can be wrong |
 //!
@@ -62,10 +65,13 @@ pub mod extent_shoulder;
 pub mod log;
 pub mod param;
 pub mod place;
+pub mod pose_delta;
+pub mod pose_request;
 pub mod poses;
 pub mod selector;
 pub mod succession;
 pub mod tension;
+pub mod time_delta;
 pub mod track_edit;
 pub mod warp;
 
@@ -80,8 +86,11 @@ pub use extent_shoulder::ExtentShoulder;
 pub use log::{Conflict, EditLog, Field};
 pub use param::Parameter;
 pub use place::{ClipPlace, Where};
+pub use pose_delta::{PoseChange, PoseDelta};
+pub use pose_request::{Met, PoseAnswer, PoseRequest};
 pub use selector::{Place, Selection, Selector};
 pub use succession::{Direction, Succession};
 pub use tension::{Amount, Tension};
+pub use time_delta::TimeDelta;
 pub use track_edit::TrackEdit;
 pub use warp::Warp;

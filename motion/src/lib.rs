@@ -21,7 +21,7 @@
 //! | [`mod@file`] | reading a file within a limit |
 //! | [`fk`] | forward kinematics |
 //! | [`mod@glitch`] | joints that jump as no muscle could make them |
-//! | [`ik`] | two-bone limbs to a target, whole bodies to many; axes of joints |
+//! | [`ik`] | two-bone limbs to a target, whole bodies to many, posing by dragging; axes of joints |
 //! | [`limits`] | the way of a joint back into its range |
 //! | [`linear`] | small dense systems of equations |
 //! | [`metrics`] | joint errors, foot slip, jerk |

@@ -16,6 +16,7 @@
 //! | [`limited`] | joints that their limits changed |
 //! | `clip`, `clip_edits` | the take of a clip; edits of sampled motion |
 //! | [`retargeting`] | human motion put on a character |
+//! | [`posing`] | a clip posed by dragging |
 //! | [`standing`] | the parts of a clip a body can perform on its own feet |
 //! | [`perform`] | the dynamic pass |
 //! | [`results`] | what a take leaves |
@@ -38,6 +39,7 @@ pub mod limited;
 pub mod open;
 mod opening;
 pub mod perform;
+pub mod posing;
 mod possible;
 pub mod progress;
 pub mod results;

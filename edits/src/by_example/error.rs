@@ -1,5 +1,6 @@
 //! What can be wrong with examples, in words that a person can act on.
 
+use learn::dtw::DtwError;
 use learn::{FitError, InputError};
 use motion::time_map::TimeMapError;
 use thiserror::Error;
@@ -44,6 +45,14 @@ pub enum ExampleError {
         side: &'static str,
         /// Which frame.
         frame: usize,
+    },
+    /// Two performances that no path matches.
+    #[error("pair `{pair}`: the two performances cannot be matched: {source}")]
+    Matching {
+        /// The pair.
+        pair: String,
+        /// Why.
+        source: DtwError,
     },
     /// A span without frames.
     #[error("pair `{pair}`: the span {from_s} s to {to_s} s has no frames; the clip lasts {end_s:.3} s")]

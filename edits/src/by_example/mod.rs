@@ -11,6 +11,7 @@
 //! | module | holds |
 //! |---|---|
 //! | [`pair`] | training pairs, checked |
+//! | [`performances`] | pairs from two performances of the same content |
 //! | [`rig`] | points and joints by name, headings, left and right |
 //! | [`features`] | what a frame is recognised by |
 //! | [`outputs`] | how a target differs from its source, and back |
@@ -29,6 +30,7 @@ pub mod features;
 pub mod model;
 pub mod outputs;
 pub mod pair;
+pub mod performances;
 pub mod rig;
 pub mod solve;
 
@@ -37,5 +39,6 @@ pub use error::ExampleError;
 pub use features::Orientation;
 pub use model::{Answer, ExampleEdit, ExampleFrame, ExampleOptions, Taught};
 pub use pair::Pair;
+pub use performances::{Correspondence, correspond};
 pub use rig::Rig;
 pub use solve::Weights;

@@ -10,6 +10,7 @@ mod identity;
 mod log;
 mod order;
 mod place;
+mod pose_delta;
 mod selectors;
 mod succession;
 mod tension;

@@ -4,6 +4,7 @@
 //! |---|---|---|
 //! | [`two_bone`] | an arm or leg to a target, the swivel kept | closed form |
 //! | [`whole_body`] | points of any links to goals, the rest of the pose kept, joints within their limits | damped least squares |
+//! | [`pose`] | joints dragged, others pinned exactly, the rest near where it was; from call to call | Newton with constraints |
 //! | [`swivel`] | where the knee of a planted leg lies | closed form |
 //! | [`axes`] | joint axes in the world: the columns of every point's Jacobian | |
 //!
@@ -11,6 +12,7 @@
 //! [`linear`](crate::linear).
 
 pub mod axes;
+pub mod pose;
 pub mod swivel;
 pub mod two_bone;
 pub mod whole_body;

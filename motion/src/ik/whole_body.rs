@@ -17,6 +17,9 @@
 //! *Methods* ([`Method`]). Gauss–Newton takes the steps as they are, only not too far, and never looks at Z: for goals that
 //! can be reached, with weights that make A well conditioned, frame after frame in bounded time. Levenberg–Marquardt damps
 //! steps until Z falls: for goals that no pose meets.
+//!
+//! It is not [`pose`](super::pose): there a user drags, pins are constraints that hold exactly, and every joint is an anchor in
+//! space; here a stage of a pipeline weighs goals, limits, a floor and a departure in joint values against each other.
 
 use std::sync::Arc;
 

@@ -8,8 +8,8 @@
 use std::path::PathBuf;
 
 use edits::{
-    Amount, Amplitude, ClipEdit, ExtentReach, ExtentShoulder, Parameter, Reference, Succession, Tension,
-    TrackEdit, Warp, Where,
+    Amount, Amplitude, ClipEdit, ExtentReach, ExtentShoulder, Parameter, PoseChange, PoseDelta, PoseRequest,
+    Reference, Succession, Tension, TimeDelta, TrackEdit, Warp, Where,
 };
 
 use super::{Check, SceneSource};
@@ -108,7 +108,7 @@ impl Check<'_> {
                 "the edit `{name}` changes the poses of a script; the motion of this scene is: {}",
                 source.describe()
             );
-            return Err(refused(why).with_help("edits of any motion: Warp, ByExample"));
+            return Err(refused(why).with_help("edits of any motion: Warp, PoseDelta, TimeDelta, ByExample"));
         }
         match before.iter().find(|b| b.kind.is_of_clips()) {
             None => Ok(()),
@@ -128,7 +128,9 @@ impl Check<'_> {
             | EditRon::ExtentReach { on, repetition, parts, .. }
             | EditRon::Tension { on, repetition, parts, .. } => (on, repetition, parts, None),
             EditRon::Warp { on, repetition, parts, span_s, .. }
-            | EditRon::ByExample { on, repetition, parts, span_s, .. } => (on, repetition, parts, *span_s),
+            | EditRon::ByExample { on, repetition, parts, span_s, .. }
+            | EditRon::PoseDelta { on, repetition, parts, span_s, .. }
+            | EditRon::TimeDelta { on, repetition, parts, span_s, .. } => (on, repetition, parts, *span_s),
         };
         let track = |edit: Box<dyn TrackEdit + Send + Sync>| EditKind::Track(edit);
         let kind = match e {
@@ -161,6 +163,25 @@ impl Check<'_> {
                     model: self.source.beside(&at_model, "learned edit", model)?,
                     amount: self.within(&format!("{at}.amount"), amount.unwrap_or(1.0), 0.0, 1.5, "")?,
                 })
+            }
+            EditRon::PoseDelta { at_s, drag, pin, weight, group, limits, blend_s, block_s, .. } => {
+                let request = PoseRequest {
+                    drag: drag.iter().map(|(name, &(x, y, z))| (name.clone(), [x, y, z])).collect(),
+                    pin: pin.clone(),
+                    weight: weight.iter().map(|(name, w)| (name.clone(), *w)).collect(),
+                    group: group.clone(),
+                    limits: *limits,
+                };
+                let change = PoseChange::Asked(request);
+                EditKind::Clip(Box::new(PoseDelta {
+                    at_s: *at_s,
+                    change,
+                    blend_s: *blend_s,
+                    block_s: *block_s,
+                }))
+            }
+            &EditRon::TimeDelta { at_s, to_s, blend_s, .. } => {
+                EditKind::Clip(Box::new(TimeDelta { at_s, to_s, blend_s }))
             }
             EditRon::Warp { times_s, .. } => EditKind::Clip(Box::new(Warp { anchors: times_s.clone() })),
         };

@@ -1,5 +1,6 @@
 //! Words of edits: what is changed, where, by how much.
 
+use std::collections::BTreeMap;
 use std::fmt;
 
 use edits::{Direction, Reference};
@@ -136,4 +137,42 @@ pub enum EditRon {
         model: String,
         amount: Option<f64>,
     },
+    PoseDelta {
+        #[serde(default)]
+        on: String,
+        repetition: Option<usize>,
+        #[serde(default)]
+        parts: Vec<String>,
+        span_s: Option<(f64, f64)>,
+        at_s: f64,
+        #[serde(default)]
+        drag: BTreeMap<String, (f64, f64, f64)>,
+        #[serde(default)]
+        pin: Vec<String>,
+        #[serde(default)]
+        weight: BTreeMap<String, f64>,
+        #[serde(default)]
+        group: Vec<Vec<String>>,
+        #[serde(default)]
+        limits: bool,
+        #[serde(default = "blend_s")]
+        blend_s: f64,
+        block_s: Option<(f64, f64)>,
+    },
+    TimeDelta {
+        #[serde(default)]
+        on: String,
+        repetition: Option<usize>,
+        #[serde(default)]
+        parts: Vec<String>,
+        span_s: Option<(f64, f64)>,
+        at_s: f64,
+        to_s: f64,
+        #[serde(default = "blend_s")]
+        blend_s: f64,
+    },
+}
+
+fn blend_s() -> f64 {
+    edits::pose_delta::BLEND_S
 }
