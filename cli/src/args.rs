@@ -46,8 +46,8 @@ A file of that name is meant before it.
 Exit codes: 0 done (also when the body fell), 1 the run failed, 2 something is wrong with the input.";
 
 pub use crate::analysis_args::{AnalyzeArgs, Pick, PlotArgs};
-pub use crate::propagate_args::PropagateArgs;
 pub use crate::pose_args::PoseArgs;
+pub use crate::propagate_args::PropagateArgs;
 pub use crate::retarget_args::RetargetArgs;
 pub use crate::tune_args::TuneArgs;
 

@@ -51,7 +51,9 @@ pub struct KernelReport {
     pub length: f64,
     /// Largest distance of two examples, in units of the inputs: the bound of the length.
     pub diameter: f64,
-    /// Iterations of the search for them.
+    /// Whether the targets are all zero, so that there was nothing to learn.
+    pub signal_is_prior: bool,
+    /// Iterations of the search for them; 0 for a stored model.
     pub iterations: usize,
 }
 
@@ -68,6 +70,7 @@ pub fn learned(edit: &ExampleEdit) -> Learned {
                 noise: k.noise_variance.sqrt(),
                 length: k.length,
                 diameter: gp.diameter(),
+                signal_is_prior: of.examples().targets().amax() < 1e-6,
                 iterations: gp.learning().iterations,
             })
         })
@@ -91,10 +94,16 @@ impl fmt::Display for Learned {
         writeln!(f, "learned from {} pairs: {} examples{twice}", self.pairs, self.examples)?;
         for k in &self.kernels {
             let bound = if k.length > 0.999 * k.diameter { ", its bound" } else { "" };
+            if k.signal_is_prior {
+                writeln!(f, "{}: nothing to learn, the differences do not bend", k.model)?;
+                continue;
+            }
+            let steps =
+                if k.iterations > 0 { format!(", {} iterations", k.iterations) } else { String::new() };
             writeln!(
                 f,
-                "{}: signal {:.3e}, noise {:.3e}, length {:.3} (examples are at most {:.3} apart{bound}), {} iterations",
-                k.model, k.signal, k.noise, k.length, k.diameter, k.iterations
+                "{}: signal {:.3e}, noise {:.3e}, length {:.3} (examples are at most {:.3} apart{bound}){steps}",
+                k.model, k.signal, k.noise, k.length, k.diameter
             )?;
         }
         Ok(())
