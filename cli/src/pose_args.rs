@@ -6,7 +6,7 @@ use clap::{ArgGroup, Args};
 use plots::View;
 use takes::posing::BLEND_S;
 
-use crate::args::{ClipArgs, view_help};
+use crate::common_args::{ClipArgs, view_help};
 
 /// Arguments of `pose`.
 #[derive(Debug, Args)]

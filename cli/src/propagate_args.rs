@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use clap::{Args, Subcommand};
 use studies::propagate::ExampleMethod;
 
-use crate::args::number;
+use crate::common_args::number;
 
 /// Arguments of `propagate`.
 #[derive(Debug, Args)]

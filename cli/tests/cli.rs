@@ -22,6 +22,8 @@ mod place;
 mod plot;
 #[path = "cli/pose.rs"]
 mod pose;
+#[path = "cli/propagate.rs"]
+mod propagate;
 #[path = "cli/push.rs"]
 mod push;
 #[path = "cli/references.rs"]
