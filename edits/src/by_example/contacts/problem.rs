@@ -15,7 +15,7 @@ use crate::by_example::contact_chain::Chain;
 use crate::by_example::solve::{Band, Form};
 
 /// A step that promises to lower E by less than this share is the last.
-const ENOUGH: f64 = 1e-6;
+const ENOUGH: f64 = 1e-5;
 /// Most halvings of a step.
 const MOST_HALVINGS: usize = 8;
 /// Added to the diagonal, as a share of the weight of contacts: a path that nothing holds stays where it is.

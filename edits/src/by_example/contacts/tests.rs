@@ -198,7 +198,7 @@ fn the_gradient_is_that_of_the_cost() {
         worst = worst.max((found - gradient[i]).abs() / scale);
     }
     println!("gradient {worst:e}");
-    assert!(worst < 1e-8, "{worst:e}"); // WORST
+    assert!(worst < 1e-8, "{worst:e}"); // 7e-12 seen
 }
 
 /// The banded solution is that of a full least-squares problem written down from the module header, with Jacobians by differences.
