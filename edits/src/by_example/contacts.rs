@@ -1,7 +1,7 @@
 //! Contacts kept inside the blend: what stands in the source stands in the edited motion.
 //!
 //! In: a motion with its [`ContactPlan`], the contact-free blend of an edit, and the quadratic form `A` of that blend
-//! ([`Form`]). Out: the motion whose correction C (one row of numbers a frame, [`super::contact_chain`]) minimises
+//! ([`Form`]). Out: the motion whose correction C (one row of numbers a frame: of the root and of the joints between it and a contact) minimises
 //!
 //! ```text
 //! E(C) = ½ Σ_d C_dᵀ A C_d + ½ Σ_p C_pᵀ A_p C_p + ½ w Σ_contacts Σ_frames s(t) (|x(C) − x̂|²/ℓ² + (λ/ℓ)² |log(R(C) R̂ᵀ)|²)
@@ -27,7 +27,7 @@
 //! the floor. A correction that has to go within 0.2 s, because the span ends then, costs some jerk. `w` is [`STIFFNESS`] times what `A` says of a slow change ([`SLOW_HZ`]).
 //!
 //! *Solution*: Gauss–Newton with exact Jacobians of the chain from root to point. Unknowns of a frame are coupled by contacts, and
-//! each with itself over time by `A`: [`BlockBand`], O(frames). A step that does not lower E is halved. All in the time
+//! each with itself over time by `A`: [`super::block_band`], O(frames). A step that does not lower E is halved. All in the time
 //! of the source; a retimed result takes its contacts along.
 //!
 //! Units: m, s, rad; corrections in rad and sizes.
