@@ -4,6 +4,8 @@
 //! over [`BLEND_S`]. Body parts limit it to their joints: time is changed only with the whole body, the way over
 //! the ground only where the root's rotation and place may both move.
 //!
+//! What stands may keep standing ([`contacts`]): [`ByExample::contacts`].
+//!
 //! Joint limits of the skeleton are kept where the source keeps them; what they held back is noted in the log.
 
 use std::sync::Arc;
@@ -11,6 +13,7 @@ use std::sync::Arc;
 use motion::time_map::{End, LEAST_SLOPE, MOST_SLOPE};
 use motion::{Clip, Dof, Joint, TimeMap};
 
+use super::contacts::{self, Blended, Contacts, Kept, Miss};
 use super::model::Answer;
 use super::outputs::{self, Allowed};
 use super::rig::{Moves, Rig};
@@ -30,6 +33,8 @@ pub struct ByExample {
     pub edit: Arc<ExampleEdit>,
     /// How much of it, 0 (nothing) to 1.5; 1 is what was taught.
     pub amount: f64,
+    /// Whether what stands keeps standing.
+    pub contacts: Contacts,
 }
 
 /// What an edit did to a clip.
@@ -45,12 +50,15 @@ pub struct Applied {
     pub limited: usize,
     /// Joints of the edit that the skeleton cannot do as they were taught: welded, or hinges.
     pub lost: Vec<String>,
+    /// How the contacts were kept, and how far each then misses its place; `None` where they are free.
+    pub kept: Option<(Kept, Vec<Miss>)>,
 }
 
 impl ByExample {
-    /// The whole edit.
+    /// The whole edit, contacts as its options say.
     pub fn new(edit: Arc<ExampleEdit>) -> Self {
-        Self { edit, amount: 1.0 }
+        let contacts = edit.options.contacts;
+        Self { edit, amount: 1.0, contacts }
     }
 
     /// Applies the edit to a place of a motion, and says what it did.
@@ -71,12 +79,25 @@ impl ByExample {
         }
         let allowed = allowed(&rig, at);
         let mut untimed = outputs::add(&rig, clip, &d, &allowed, &clip.skeleton, rig.size_m);
+        let kept = match self.contacts {
+            Contacts::Free => None,
+            Contacts::Keep => {
+                let blended = Blended { rig: &rig, clip: &untimed, differences: &d, allowed: &allowed };
+                let (clip, kept) = contacts::keep(motion, &blended, &answer.form, (at.from_s, at.to_s));
+                untimed = clip;
+                Some(kept)
+            }
+        };
         let limited = keep_limits(clip, &mut untimed);
         let times = if allowed.time { times(&rig, &d, clip)? } else { TimeMap::identity() };
-        let edited =
-            Edited { clip: times.retime(&untimed), contacts: motion.contacts.retimed(&times), times };
+        let plan = kept.as_ref().map_or(&motion.contacts, |k| &k.plan);
+        let edited = Edited { clip: times.retime(&untimed), contacts: plan.retimed(&times), times };
         let lost = lost(&rig, &allowed);
-        Ok(Applied { untimed, edited, answer, limited, lost })
+        let kept = kept.map(|kept| {
+            let misses = kept.misses(&untimed);
+            (kept, misses)
+        });
+        Ok(Applied { untimed, edited, answer, limited, lost, kept })
     }
 }
 
@@ -100,6 +121,9 @@ impl ClipEdit for ByExample {
         }
         if !done.lost.is_empty() {
             log.note(format!("joints that cannot do all that was taught: {}", done.lost.join(", ")));
+        }
+        if let Some((kept, misses)) = &done.kept {
+            kept.notes(misses).into_iter().for_each(|note| log.note(note));
         }
         Ok(done.edited)
     }

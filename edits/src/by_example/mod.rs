@@ -17,6 +17,8 @@
 //! | [`outputs`] | how a target differs from its source, and back |
 //! | [`model`] | training and prediction |
 //! | [`solve`] | the blend of all predictions: one pentadiagonal system |
+//! | [`contacts`] | the blend with contacts kept: Gauss–Newton on blocks |
+//! | [`block_band`] | its linear equations |
 //! | [`edit`] | the clip edit |
 //! | [`error`] | what can be wrong |
 //!
@@ -24,6 +26,9 @@
 //!
 //! IAF09: Ikemoto, Arikan, Forsyth. Generalizing motion edits with Gaussian processes. ACM TOG 28(1), 2009.
 
+pub mod block_band;
+mod contact_chain;
+pub mod contacts;
 pub mod edit;
 pub mod error;
 pub mod features;
@@ -34,6 +39,7 @@ pub mod performances;
 pub mod rig;
 pub mod solve;
 
+pub use contacts::Contacts;
 pub use edit::ByExample;
 pub use error::ExampleError;
 pub use features::Orientation;

@@ -20,8 +20,8 @@ use serde::{Deserialize, Serialize};
 
 use super::features::{Features, Orientation, mirror_acceleration, mirror_configuration};
 use super::rig::{Rig, RigFile};
-use super::solve::{Evidence, Weights, blend};
-use super::{ExampleError, Pair, outputs};
+use super::solve::{Evidence, Form, Weights, blend};
+use super::{Contacts, ExampleError, Pair, outputs};
 
 /// Neighbours in time do not tell how dense examples lie: those closer than this, ms.
 pub const APART_MS: u32 = 500;
@@ -51,6 +51,12 @@ pub struct ExampleOptions {
     pub mirror: bool,
     /// Takes differences back where frames are new ([`gate`]).
     pub gate: bool,
+    /// Whether what stands keeps standing.
+    #[serde(with = "word")]
+    pub contacts: Contacts,
+    /// Where contacts are kept, how much more the root's part of the edit weighs than joints': 1 as in the blend; above, legs
+    /// give way first ([`super::contacts`]).
+    pub root_weight: f64,
 }
 
 impl Default for ExampleOptions {
@@ -62,20 +68,22 @@ impl Default for ExampleOptions {
             examples_hz: 30.0,
             mirror: true,
             gate: true,
+            contacts: Contacts::default(),
+            root_weight: 1.0,
         }
     }
 }
 
 mod word {
-    use super::{Orientation, Word};
+    use super::Word;
     use serde::{Deserialize, Deserializer, Serializer, de::Error};
 
-    pub fn serialize<S: Serializer>(o: &Orientation, s: S) -> Result<S::Ok, S::Error> {
-        s.serialize_str(o.word())
+    pub fn serialize<W: Word, S: Serializer>(w: &W, s: S) -> Result<S::Ok, S::Error> {
+        s.serialize_str(w.word())
     }
 
-    pub fn deserialize<'de, D: Deserializer<'de>>(d: D) -> Result<Orientation, D::Error> {
-        Orientation::find(&String::deserialize(d)?).map_err(D::Error::custom)
+    pub fn deserialize<'de, W: Word, D: Deserializer<'de>>(d: D) -> Result<W, D::Error> {
+        W::find(&String::deserialize(d)?).map_err(D::Error::custom)
     }
 }
 
@@ -129,6 +137,8 @@ pub struct Answer {
     pub novelty: Vec<f64>,
     /// Share of the prediction kept for novelty.
     pub kept: Vec<f64>,
+    /// What a departure from `differences` costs.
+    pub form: Form,
 }
 
 /// Inputs and targets of both models, one example a row.
@@ -263,8 +273,11 @@ impl ExampleEdit {
         };
         let configuration = evidence(k, &self.configuration, w.configuration, w.source);
         let acceleration = evidence(a, &self.acceleration, w.acceleration, w.source_acceleration);
-        let differences = blend(&configuration, &acceleration, 1.0 / clip.rate_hz);
-        Ok(Answer { differences, predicted, unsure, novelty, kept })
+        let step_s = 1.0 / clip.rate_hz;
+        let differences = blend(&configuration, &acceleration, step_s);
+        let root = self.options.root_weight;
+        let form = Form { root, ..Form::of(&configuration, &acceleration, step_s) };
+        Ok(Answer { differences, predicted, unsure, novelty, kept, form })
     }
 }
 
@@ -283,6 +296,9 @@ fn check(options: &ExampleOptions) -> Result<(), ExampleError> {
         if !(value.is_finite() && value >= 0.0) {
             return fault(what, value, "0 or more");
         }
+    }
+    if !(options.root_weight.is_finite() && options.root_weight > 0.0) {
+        return fault("`root_weight`", options.root_weight, "above 0");
     }
     if w.configuration + w.source <= 0.0 {
         return fault(

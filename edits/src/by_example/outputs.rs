@@ -45,6 +45,20 @@ fn joints_width(rig: &Rig) -> usize {
     rig.joints().iter().map(|(_, m)| m.width()).sum()
 }
 
+/// Where the root's tilt and height are among the columns.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) struct RootColumns {
+    /// First of three.
+    pub tilt: usize,
+    pub height: usize,
+}
+
+/// Columns of the root that are no steps.
+pub(super) fn root_columns(rig: &Rig) -> RootColumns {
+    let root = joints_width(rig);
+    RootColumns { tilt: root + TILT, height: root + HEIGHT }
+}
+
 /// Column of the logarithm of the ratio of times.
 pub fn time_column(rig: &Rig) -> usize {
     joints_width(rig) + TIME

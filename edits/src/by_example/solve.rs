@@ -58,6 +58,56 @@ impl Evidence {
     }
 }
 
+/// The quadratic form of the blend, `A` of one coordinate: what a departure C from the blended answer costs is `Cᵀ A C`.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Form {
+    /// Weight of D of each frame: both terms of configurations.
+    pub configuration: Vec<f64>,
+    /// Weight of L D of each frame: both terms of accelerations. Those of the first and the last frame do not count.
+    pub acceleration: Vec<f64>,
+    /// Time between frames, s.
+    pub step_s: f64,
+    /// How much more coordinates of the root weigh where contacts are kept; the blend itself does not know it.
+    pub root: f64,
+}
+
+impl Form {
+    /// Of the two evidences of a [`blend`], all coordinates alike.
+    pub fn of(configuration: &Evidence, acceleration: &Evidence, step_s: f64) -> Self {
+        let all = |e: &Evidence| e.learned.iter().zip(&e.source).map(|(l, s)| l + s).collect();
+        Self { configuration: all(configuration), acceleration: all(acceleration), step_s, root: 1.0 }
+    }
+
+    /// As a matrix.
+    pub fn band(&self) -> Band {
+        let frames = self.configuration.len();
+        let mut band = Band::zeros(frames);
+        band.main.copy_from_slice(&self.configuration);
+        self.bend(&mut band);
+        band
+    }
+
+    /// Adds the terms of accelerations.
+    pub(super) fn bend(&self, band: &mut Band) {
+        let row = self.second_difference();
+        for f in 1..band.main.len().saturating_sub(1) {
+            let all = self.acceleration[f];
+            for (i, a) in row.iter().enumerate() {
+                band.main[f - 1 + i] += all * a * a;
+            }
+            band.first[f - 1] += all * row[0] * row[1];
+            band.first[f] += all * row[1] * row[2];
+            band.second[f - 1] += all * row[0] * row[2];
+        }
+    }
+
+    /// A row of L.
+    fn second_difference(&self) -> [f64; 3] {
+        let h2 = self.step_s * self.step_s;
+        [1.0 / h2, -2.0 / h2, 1.0 / h2]
+    }
+}
+
 /// Blends the predictions; `step_s` is the time between frames. See the module header.
 ///
 /// # Panics
@@ -65,25 +115,19 @@ impl Evidence {
 pub fn blend(configuration: &Evidence, acceleration: &Evidence, step_s: f64) -> DMatrix<f64> {
     let (frames, width) = configuration.mean.shape();
     assert_eq!(acceleration.mean.shape(), (frames, width), "frames × coordinates of the two models");
-    let h2 = step_s * step_s;
-    let mut band = Band::zeros(frames);
+    let form = Form::of(configuration, acceleration, step_s);
+    let mut band = form.band();
     let mut out = configuration.mean.clone();
     for f in 0..frames {
-        band.main[f] = configuration.learned[f] + configuration.source[f];
         out.row_mut(f).scale_mut(configuration.learned[f]);
     }
     for f in 1..frames.saturating_sub(1) {
-        let (learned, all) = (acceleration.learned[f], acceleration.learned[f] + acceleration.source[f]);
-        let row = [1.0 / h2, -2.0 / h2, 1.0 / h2];
-        for (i, a) in row.iter().enumerate() {
-            band.main[f - 1 + i] += all * a * a;
+        let learned = acceleration.learned[f];
+        for (i, a) in form.second_difference().iter().enumerate() {
             for c in 0..width {
                 out[(f - 1 + i, c)] += learned * a * acceleration.mean[(f, c)];
             }
         }
-        band.first[f - 1] += all * row[0] * row[1];
-        band.first[f] += all * row[1] * row[2];
-        band.second[f - 1] += all * row[0] * row[2];
     }
     band.factor();
     for mut column in out.column_iter_mut() {
@@ -131,6 +175,21 @@ impl Band {
             }
             self.main[i] = pivot;
         }
+    }
+
+    /// Row `i` of `A x`, before [`Band::factor`]; `x` may be one of several interleaved vectors.
+    pub fn times(&self, i: usize, x: impl Fn(usize) -> f64) -> f64 {
+        let n = self.main.len();
+        let mut sum = self.main[i] * x(i);
+        for (off, apart) in [(&self.first, 1), (&self.second, 2)] {
+            if i >= apart {
+                sum += off[i - apart] * x(i - apart);
+            }
+            if i + apart < n {
+                sum += off[i] * x(i + apart);
+            }
+        }
+        sum
     }
 
     /// Solves `A x = b` into `b`, after [`Band::factor`].
