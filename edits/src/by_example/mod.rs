@@ -18,6 +18,7 @@
 //! | [`model`] | training and prediction |
 //! | [`solve`] | the blend of all predictions: one pentadiagonal system |
 //! | [`edit`] | the clip edit |
+//! | [`review`] | examples that contradict each other; frames to key next |
 //! | [`error`] | what can be wrong |
 //!
 //! Units: m, s, rad; lengths of features and outputs in parts of the body's size.
@@ -31,6 +32,7 @@ pub mod model;
 pub mod outputs;
 pub mod pair;
 pub mod performances;
+pub mod review;
 pub mod rig;
 pub mod solve;
 
@@ -40,5 +42,6 @@ pub use features::Orientation;
 pub use model::{Answer, ExampleEdit, ExampleFrame, ExampleOptions, Taught};
 pub use pair::Pair;
 pub use performances::{Correspondence, correspond};
+pub use review::{Contradiction, KeyNext, contradictions, key_next};
 pub use rig::Rig;
 pub use solve::Weights;

@@ -70,24 +70,30 @@ pub fn blend(configuration: &Evidence, acceleration: &Evidence, step_s: f64) -> 
     let mut out = configuration.mean.clone();
     for f in 0..frames {
         band.main[f] = configuration.learned[f] + configuration.source[f];
-        out.row_mut(f).scale_mut(configuration.learned[f]);
     }
     for f in 1..frames.saturating_sub(1) {
-        let (learned, all) = (acceleration.learned[f], acceleration.learned[f] + acceleration.source[f]);
+        let all = acceleration.learned[f] + acceleration.source[f];
         let row = [1.0 / h2, -2.0 / h2, 1.0 / h2];
         for (i, a) in row.iter().enumerate() {
             band.main[f - 1 + i] += all * a * a;
-            for c in 0..width {
-                out[(f - 1 + i, c)] += learned * a * acceleration.mean[(f, c)];
-            }
         }
         band.first[f - 1] += all * row[0] * row[1];
         band.first[f] += all * row[1] * row[2];
         band.second[f - 1] += all * row[0] * row[2];
     }
     band.factor();
-    for mut column in out.column_iter_mut() {
-        band.solve(column.as_mut_slice());
+    let inner: Vec<f64> = acceleration.learned.iter().map(|w| w / h2).collect();
+    for (mut column, bends) in out.column_iter_mut().zip(acceleration.mean.column_iter()) {
+        let (column, bends) = (column.as_mut_slice(), bends.as_slice());
+        column.iter_mut().zip(&configuration.learned).for_each(|(x, w)| *x *= w);
+        // Lᵀ W μ_a
+        for f in 1..frames.saturating_sub(1) {
+            let pull = inner[f] * bends[f];
+            column[f - 1] += pull;
+            column[f] -= 2.0 * pull;
+            column[f + 1] += pull;
+        }
+        band.solve(column);
     }
     out
 }
