@@ -7,6 +7,7 @@ use std::fmt;
 
 use edits::by_example::edit::Applied;
 use edits::by_example::{ExampleEdit, Pair, Rig};
+use edits::by_example::{contradictions, key_next};
 use motion::{Clip, Dof};
 use serde::Serialize;
 
