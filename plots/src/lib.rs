@@ -15,6 +15,7 @@
 //! | [`balance`] | centre of mass over the support |
 //! | [`residual`] | momentum that neither gravity nor contacts explain |
 //! | [`graded`] | residual force and moment against OpenSim's guideline |
+//! | [`learning`] | learning curves: error over how much was given |
 //! | [`momentum`] | linear and angular momentum |
 //! | [`torque`] | torques of the joints that work hardest, over their noise |
 //! | [`energy`] | energies, and the power of the joints |
@@ -45,6 +46,7 @@ mod face;
 pub mod figure;
 pub mod gains;
 pub mod graded;
+pub mod learning;
 pub mod momentum;
 pub mod overlay;
 pub mod panel;

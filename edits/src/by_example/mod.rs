@@ -20,6 +20,7 @@
 //! | [`contacts`] | the blend with contacts kept: Gauss–Newton on blocks |
 //! | [`block_band`] | its linear equations |
 //! | [`edit`] | the clip edit |
+//! | [`review`] | examples that contradict each other; frames to key next |
 //! | [`error`] | what can be wrong |
 //!
 //! Units: m, s, rad; lengths of features and outputs in parts of the body's size.
@@ -36,6 +37,7 @@ pub mod model;
 pub mod outputs;
 pub mod pair;
 pub mod performances;
+pub mod review;
 pub mod rig;
 pub mod solve;
 
@@ -46,5 +48,6 @@ pub use features::Orientation;
 pub use model::{Answer, ExampleEdit, ExampleFrame, ExampleOptions, Taught};
 pub use pair::Pair;
 pub use performances::{Correspondence, correspond};
+pub use review::{Contradiction, KeyNext, contradictions, key_next};
 pub use rig::Rig;
 pub use solve::Weights;

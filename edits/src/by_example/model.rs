@@ -4,10 +4,11 @@
 //! they are.
 //!
 //! *Configuration*: from x^(k) to the differences of [`super::outputs`]. *Acceleration*: from x^(a) to their second derivatives by time,
-//! of the frames of the pair, from parabolas over 0.125 s. Both share three hyperparameters each over all outputs.
+//! of the frames of the pair, from parabolas over 0.125 s. Speeds and rates of configurations are means over the same time. Both share three hyperparameters each over all outputs.
 //!
 //! *Novelty*: the distance of a frame's x^(k) to the nearest example, over the 99th percentile of the distances that the examples
-//! have to each other (`learn`). [`gate`] takes the predicted differences back from novelty 1 on.
+//! have to each other (`learn`). [`gates`] take the blended differences back where it nears 1. They act on the result of the blend: inside
+//! it, the accelerations learned of a constant edit (zero, and sure of it) would carry the edit on through whatever is new.
 //!
 //! Symbols as in [`super::solve`].
 
@@ -34,6 +35,27 @@ pub fn gate(novelty: f64) -> f64 {
     1.0 - motion::smoothstep((novelty - GATE.0) / (GATE.1 - GATE.0))
 }
 
+/// Share of the differences that is kept at each frame of a clip: at most [`gate`] of its novelty, and smooth in time.
+///
+/// The least gate within 0.125 s of each frame, averaged with raised-cosine weights over the same time: every one of the
+/// averaged values has the frame within its reach, so that none is above its gate.
+pub fn gates(novelty: &[f64], rate_hz: f64) -> Vec<f64> {
+    let half = (super::features::APART_S * rate_hz).round() as usize;
+    let n = novelty.len();
+    let around = |f: usize| f.saturating_sub(half)..(f + half + 1).min(n);
+    let own: Vec<f64> = novelty.iter().map(|v| gate(*v)).collect();
+    let least: Vec<f64> = (0..n).map(|f| own[around(f)].iter().copied().fold(1.0, f64::min)).collect();
+    let weight =
+        |f: usize, g: usize| 1.0 + (std::f64::consts::PI * g.abs_diff(f) as f64 / (half + 1) as f64).cos();
+    (0..n)
+        .map(|f| {
+            let (sum, all) =
+                around(f).fold((0.0, 0.0), |(s, a), g| (s + weight(f, g) * least[g], a + weight(f, g)));
+            sum / all
+        })
+        .collect()
+}
+
 /// How an edit is learned and applied.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
@@ -49,7 +71,7 @@ pub struct ExampleOptions {
     pub examples_hz: f64,
     /// Counts every example a second time with left and right exchanged, where the body has both.
     pub mirror: bool,
-    /// Takes differences back where frames are new ([`gate`]).
+    /// Takes differences back where frames are new ([`gates`]).
     pub gate: bool,
     /// Whether what stands keeps standing.
     #[serde(with = "word")]
@@ -135,7 +157,7 @@ pub struct Answer {
     pub unsure: Vec<f64>,
     /// How new each frame is: see the module header.
     pub novelty: Vec<f64>,
-    /// Share of the prediction kept for novelty.
+    /// Share of the blend kept for novelty: [`gates`].
     pub kept: Vec<f64>,
     /// What a departure from `differences` costs.
     pub form: Form,
@@ -256,15 +278,10 @@ impl ExampleEdit {
         let predict = |model: &ExampleModel, inputs: &DMatrix<f64>| {
             model.predict_batch(inputs).map_err(|source| ExampleError::Input { frame: 0, source })
         };
-        let mut k = predict(&self.configuration, &features.configuration)?;
-        let mut a = predict(&self.acceleration, &features.acceleration)?;
-        let kept: Vec<f64> =
-            k.novelty.iter().map(|n| if self.options.gate { gate(*n) } else { 1.0 }).collect();
+        let k = predict(&self.configuration, &features.configuration)?;
+        let a = predict(&self.acceleration, &features.acceleration)?;
+        let kept = if self.options.gate { gates(&k.novelty, clip.rate_hz) } else { vec![1.0; frames.len()] };
         let predicted = k.mean.clone();
-        for (f, g) in kept.iter().enumerate() {
-            k.mean.row_mut(f).scale_mut(*g);
-            a.mean.row_mut(f).scale_mut(*g);
-        }
         let w = &self.options.weights;
         let unsure = k.variance.iter().map(|v| v.sqrt()).collect();
         let novelty = k.novelty.clone();
@@ -274,7 +291,10 @@ impl ExampleEdit {
         let configuration = evidence(k, &self.configuration, w.configuration, w.source);
         let acceleration = evidence(a, &self.acceleration, w.acceleration, w.source_acceleration);
         let step_s = 1.0 / clip.rate_hz;
-        let differences = blend(&configuration, &acceleration, step_s);
+        let mut differences = blend(&configuration, &acceleration, step_s);
+        for (f, g) in kept.iter().enumerate() {
+            differences.row_mut(f).scale_mut(*g);
+        }
         let root = self.options.root_weight;
         let form = Form { root, ..Form::of(&configuration, &acceleration, step_s) };
         Ok(Answer { differences, predicted, unsure, novelty, kept, form })
@@ -346,9 +366,15 @@ impl Rows {
             let half = ((0.5 * super::features::APART_S * rate_hz).round() as usize).max(1);
             for (row, &frame) in frames.iter().enumerate() {
                 rows.configuration.0.extend(features.configuration.row(row).iter());
+                let at = rows.configuration.1.len();
                 rows.configuration.1.extend(d.row(frame).iter());
                 rows.acceleration.0.extend(features.acceleration.row(row).iter());
                 let (from, to) = (frame.saturating_sub(half), (frame + half).min(last));
+                // the step of a single frame has the noise of two poses times the frame rate
+                for c in outputs::rates(&source) {
+                    let sum: f64 = (from..=to).map(|f| d[(f, c)]).sum();
+                    rows.configuration.1[at + c] = sum / (to - from + 1) as f64;
+                }
                 let bends = parabola(from as i64 - frame as i64, to as i64 - frame as i64, rate_hz);
                 let bend =
                     |c: usize| (from..=to).zip(&bends).map(|(f, (_, bend))| bend * d[(f, c)]).sum::<f64>();

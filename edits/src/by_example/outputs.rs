@@ -24,7 +24,7 @@ use motion::{Clip, Joint, Skeleton};
 use nalgebra::DMatrix;
 
 use super::features::headings;
-use super::rig::{Moves, Rig, Signed};
+use super::rig::{Moves, Rig, RigFile, Signed};
 
 /// Columns after those of the joints.
 pub(super) const ROOT: usize = 8;
@@ -62,6 +62,23 @@ pub(super) fn root_columns(rig: &Rig) -> RootColumns {
 /// Column of the logarithm of the ratio of times.
 pub fn time_column(rig: &Rig) -> usize {
     joints_width(rig) + TIME
+}
+
+/// Columns that are differences of poses one frame apart: sideways, forward, turn.
+pub(super) fn rates(rig: &Rig) -> std::ops::Range<usize> {
+    joints_width(rig) + SIDEWAYS..joints_width(rig) + TURN + 1
+}
+
+/// Columns and names of all joints of a rig, in its order, then of the lean of the root.
+pub(super) fn named_columns(rig: &RigFile, root: &str) -> Vec<(std::ops::Range<usize>, String)> {
+    let mut at = 0;
+    let mut out = Vec::new();
+    for (name, moves) in &rig.joints {
+        out.push((at..at + moves.width(), name.clone()));
+        at += moves.width();
+    }
+    out.push((at + TILT..at + TILT + 3, root.into()));
+    out
 }
 
 /// How rows are mirrored; `None` without left and right.

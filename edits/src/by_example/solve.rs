@@ -118,20 +118,20 @@ pub fn blend(configuration: &Evidence, acceleration: &Evidence, step_s: f64) -> 
     let form = Form::of(configuration, acceleration, step_s);
     let mut band = form.band();
     let mut out = configuration.mean.clone();
-    for f in 0..frames {
-        out.row_mut(f).scale_mut(configuration.learned[f]);
-    }
-    for f in 1..frames.saturating_sub(1) {
-        let learned = acceleration.learned[f];
-        for (i, a) in form.second_difference().iter().enumerate() {
-            for c in 0..width {
-                out[(f - 1 + i, c)] += learned * a * acceleration.mean[(f, c)];
-            }
-        }
-    }
     band.factor();
-    for mut column in out.column_iter_mut() {
-        band.solve(column.as_mut_slice());
+    let h2 = step_s * step_s;
+    let inner: Vec<f64> = acceleration.learned.iter().map(|w| w / h2).collect();
+    for (mut column, bends) in out.column_iter_mut().zip(acceleration.mean.column_iter()) {
+        let (column, bends) = (column.as_mut_slice(), bends.as_slice());
+        column.iter_mut().zip(&configuration.learned).for_each(|(x, w)| *x *= w);
+        // Lᵀ W μ_a
+        for f in 1..frames.saturating_sub(1) {
+            let pull = inner[f] * bends[f];
+            column[f - 1] += pull;
+            column[f] -= 2.0 * pull;
+            column[f + 1] += pull;
+        }
+        band.solve(column);
     }
     out
 }

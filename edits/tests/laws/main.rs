@@ -4,6 +4,7 @@ mod body;
 mod clip_body;
 
 mod amplitude;
+mod by_example;
 mod clip_log;
 mod extent;
 mod identity;

@@ -7,6 +7,7 @@ use std::fmt;
 
 use edits::by_example::edit::Applied;
 use edits::by_example::{ExampleEdit, Pair, Rig};
+use edits::by_example::{contradictions, key_next};
 use motion::{Clip, Dof};
 use serde::Serialize;
 
@@ -210,8 +211,23 @@ pub struct Status {
     pub learned: Option<Learned>,
     /// Whether the model is of the pairs that are there.
     pub current: bool,
+    /// Examples that contradict each other, the farthest apart first.
+    pub contradictions: Vec<Contradicting>,
     /// For every clip: how unlike the examples it is.
     pub clips: Vec<ClipStatus>,
+}
+
+/// Two examples that are alike and ask for different things.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Contradicting {
+    /// Pair and frame of both.
+    pub frames: [(String, usize); 2],
+    /// Whether the second is meant with left and right exchanged.
+    pub mirrored: bool,
+    /// The joint at which they are farthest apart.
+    pub joint: String,
+    /// How far there, degrees.
+    pub apart_deg: f64,
 }
 
 /// How sure a model is of a clip.
@@ -225,9 +241,6 @@ pub struct ClipStatus {
     pub key_next: Vec<(usize, f64, f64)>,
 }
 
-/// Frames named are at least this far apart, s.
-const APART_S: f64 = 0.5;
-
 /// What a project holds, and which frames of `clips` to key next.
 ///
 /// # Errors
@@ -239,16 +252,10 @@ pub fn status(project: &Project, clips: &[(String, Clip)], asked: &Asked) -> Res
     if let Some(edit) = &model {
         for (name, clip) in clips {
             let answer = edit.answer(clip)?;
-            let mut order: Vec<usize> = (0..clip.frames()).collect();
-            let wanted = |f: &usize| answer.novelty[*f];
-            order.sort_by(|a, b| wanted(b).total_cmp(&wanted(a)).then(a.cmp(b)));
-            let mut next: Vec<(usize, f64, f64)> = Vec::new();
-            for f in order {
-                let at_s = f as f64 / clip.rate_hz;
-                if next.len() < asked.next && next.iter().all(|n| (n.1 - at_s).abs() >= APART_S) {
-                    next.push((f, at_s, answer.novelty[f]));
-                }
-            }
+            let next = key_next(&answer, clip.rate_hz, asked.next)
+                .into_iter()
+                .map(|k| (k.frame, k.frame as f64 / clip.rate_hz, answer.novelty[k.frame]))
+                .collect();
             let unlike = answer.kept.iter().filter(|k| **k < 0.5).count();
             all.push(ClipStatus {
                 clip: name.clone(),
@@ -261,6 +268,17 @@ pub fn status(project: &Project, clips: &[(String, Clip)], asked: &Asked) -> Res
     }
     let mut names: Vec<&String> = pairs.iter().map(|p| &p.name).collect();
     names.sort();
+    let mut found = Vec::new();
+    if let Some(edit) = &model {
+        for c in contradictions(edit, asked.contradiction_rad)? {
+            found.push(Contradicting {
+                frames: c.frames.map(|e| (edit.pairs[e.pair].clone(), e.frame)),
+                mirrored: c.mirrored,
+                joint: c.joint,
+                apart_deg: c.apart_rad.to_degrees(),
+            });
+        }
+    }
     let current = model.as_ref().is_some_and(|m| {
         let mut taught: Vec<&String> = m.pairs.iter().collect();
         taught.sort();
@@ -273,6 +291,7 @@ pub fn status(project: &Project, clips: &[(String, Clip)], asked: &Asked) -> Res
             .collect(),
         learned: model.as_ref().map(learned),
         current,
+        contradictions: found,
         clips: all,
     })
 }
@@ -291,6 +310,15 @@ impl fmt::Display for Status {
                     writeln!(f, "pairs were added or removed since: `propagate train` learns again")?;
                 }
             }
+        }
+        for c in &self.contradictions {
+            let [(a, i), (b, j)] = &c.frames;
+            let mirrored = if c.mirrored { " mirrored" } else { "" };
+            writeln!(
+                f,
+                "frame {i} of {a} and frame {j} of {b}{mirrored} are alike and {:.0}° apart at {}",
+                c.apart_deg, c.joint
+            )?;
         }
         for clip in &self.clips {
             writeln!(f, "{}: {:.0} % of the frames are unlike the examples", clip.clip, clip.unlike_percent)?;
