@@ -22,6 +22,7 @@
 //! | [`validate`] | errors on pairs left out |
 //! | [`kcca`] | kernel canonical correlation analysis |
 //! | [`kernel`] | the kernel of the Gaussian processes |
+//! | [`dtw`] | dynamic time warping: which frame of one series belongs to which of another |
 //! | [`error`] | what can be wrong |
 //!
 //! ```
@@ -64,6 +65,7 @@ mod cloud;
 mod cover;
 mod dense;
 mod descend;
+pub mod dtw;
 pub mod error;
 pub mod examples;
 #[cfg(test)]
