@@ -26,7 +26,7 @@ fn motion(frames: usize, channels: usize, noise: f64, seed: u64) -> DMatrix<f64>
     let mut signals = DMatrix::zeros(frames, 6);
     for l in 0..6 {
         let (f, g) = (uniform(0.3, 2.0), uniform(1.0, 4.0));
-        let (p, q) = (uniform(0.0, 6.28), uniform(0.0, 6.28));
+        let (p, q) = (uniform(0.0, 6.0), uniform(0.0, 6.0));
         let mut drift = 0.0;
         for i in 0..frames {
             let t = i as f64 / 60.0 * std::f64::consts::TAU;

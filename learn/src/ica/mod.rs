@@ -1,4 +1,4 @@
-//! Independent component analysis by FastICA [HO97, H99]: what several channels do together, told apart by being as
+//! Independent component analysis by FastICA \[HO97, H99\]: what several channels do together, told apart by being as
 //! independent as a rotation can make it.
 //!
 //! In: observations (rows) of several channels. Out: x = E{x} + A u with `u` of unit variance, uncorrelated and as far
@@ -20,8 +20,8 @@
 //! ([`Ica::agreement`]). The start on which the others agree best is kept. Gaussian mixtures have no independent
 //! directions, and are seen by it.
 //!
-//! [HO97] Hyvärinen, Oja. A fast fixed-point algorithm for independent component analysis. Neural Computation 1997.
-//! [H99] Hyvärinen. Fast and robust fixed-point algorithms for independent component analysis. IEEE TNN 1999.
+//! \[HO97\] Hyvärinen, Oja. A fast fixed-point algorithm for independent component analysis. Neural Computation 1997.
+//! \[H99\] Hyvärinen. Fast and robust fixed-point algorithms for independent component analysis. IEEE TNN 1999.
 
 mod fixed_point;
 #[cfg(test)]
