@@ -23,6 +23,7 @@
 //! | [`tension`] | how stiff the muscles are |
 //! | [`warp`] | a clip retimed by anchors |
 //! | [`by_example`] | an edit learned from a few edited seconds |
+//! | [`style`] | components of two clips, put into a third |
 //! | [`poses`] | elements grouped by pose: for edits that think in poses |
 //! | [`error`] | what can be wrong |
 //!
@@ -64,6 +65,7 @@ pub mod param;
 pub mod place;
 pub mod poses;
 pub mod selector;
+pub mod style;
 pub mod succession;
 pub mod tension;
 pub mod track_edit;
@@ -81,6 +83,7 @@ pub use log::{Conflict, EditLog, Field};
 pub use param::Parameter;
 pub use place::{ClipPlace, Where};
 pub use selector::{Place, Selection, Selector};
+pub use style::Style;
 pub use succession::{Direction, Succession};
 pub use tension::{Amount, Tension};
 pub use track_edit::TrackEdit;

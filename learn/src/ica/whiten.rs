@@ -9,13 +9,26 @@ use crate::kcca::eigen;
 
 /// Eigenvalues below this share of the largest are rounding of the covariance.
 const RANK: f64 = 1e-12;
+/// Singular values below this share of the largest are rounding of the data.
+const EXACT_RANK: f64 = 1e-13;
+
+/// Variances, directions and rank by singular values of the data: all directions that are more than its rounding, where the
+/// eigenvalues of the covariance would lose those below 1e-6 of the largest deviation.
+fn exact(centred: &DMatrix<f64>) -> (DVector<f64>, DMatrix<f64>, usize) {
+    let n = centred.nrows();
+    let r = if n > centred.ncols() { centred.clone().qr().r() } else { centred.clone() };
+    let svd = r.svd(false, true);
+    let v = svd.v_t.expect("asked for").transpose();
+    let rank = svd.singular_values.iter().filter(|s| **s > EXACT_RANK * svd.singular_values[0]).count();
+    (svd.singular_values.map(|s| s * s / n as f64), v, rank)
+}
 
 /// How many components.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Count {
     /// As many, 1 or more.
     Number(usize),
-    /// The fewest that explain at least this share of the variance, above 0 and at most 1.
+    /// The fewest that explain at least this share of the variance, above 0 and at most 1; 1 is every direction.
     Share(f64),
 }
 
@@ -133,16 +146,22 @@ pub fn whiten(x: &DMatrix<f64>, count: Count) -> Result<Whitening, IcaError> {
     for (k, mut column) in centred.column_iter_mut().enumerate() {
         column.add_scalar_mut(-mean[k]);
     }
-    let covariance = (centred.transpose() * &centred) / n as f64;
-    let total_variance = covariance.trace();
+    let total_variance = centred.norm_squared() / n as f64;
     // what rounding of the mean alone leaves
     let rounding = mean.norm_squared() * (f64::EPSILON * 8.0).powi(2);
     if total_variance <= rounding {
         return Err(IcaError::NoSpread { channels });
     }
-    let (values, vectors) = eigen(covariance);
-    let rank = values.iter().take(n - 1).filter(|v| **v > RANK * values[0]).count();
+    let (values, vectors, rank) = match count {
+        Count::Share(1.0) => exact(&centred),
+        _ => {
+            let (values, vectors) = eigen((centred.transpose() * &centred) / n as f64);
+            let rank = values.iter().take(n - 1).filter(|v| **v > RANK * values[0]).count();
+            (values, vectors, rank)
+        }
+    };
     let k = match count {
+        Count::Share(1.0) => rank,
         Count::Number(0) => {
             return Err(IcaError::Setting { name: "components", value: 0.0, allowed: "1 or more" });
         }
