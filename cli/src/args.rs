@@ -34,6 +34,8 @@ Examples:
   contrapposto tune scenes/stand.ron          choose tension and balance by a search
   contrapposto retarget scenes/performances/anger.ron --to scenes/characters/lamp.ron
                                               the same anger, from a lamp
+  contrapposto style transfer --from sneak.bvh --to walk.bvh
+                                              the walk, sneaking
   contrapposto convert walk.bvh walk.glb      change the format only
   contrapposto library                        scenes and characters that are inside the program
   contrapposto new first                      a folder with a scene to start from
@@ -45,6 +47,7 @@ Exit codes: 0 done (also when the body fell), 1 the run failed, 2 something is w
 
 pub use crate::analysis_args::{AnalyzeArgs, Pick, PlotArgs};
 pub use crate::retarget_args::RetargetArgs;
+pub use crate::style_args::StyleArgs;
 pub use crate::tune_args::TuneArgs;
 
 /// What to do.
@@ -66,6 +69,8 @@ pub enum Command {
     Tune(TuneArgs),
     /// Put a human motion on a character of any shape
     Retarget(RetargetArgs),
+    /// Take two motions apart into style components, and put them into others
+    Style(StyleArgs),
     /// Write a clip, the kinematic motion of a scene, or a body in another format
     Convert(ConvertArgs),
     /// List the scenes, characters and key poses inside the program, or print one

@@ -39,6 +39,7 @@ pub fn resolve(command: &mut Command) -> Result<(), Failure> {
             .and(path(&mut args.to, BODY))
             .and(given(&mut args.keyposes, &[Kind::KeyPoses]))
             .and(given(&mut args.body, BODY)),
+        Command::Style(args) => args.inputs().into_iter().try_for_each(|file| path(file, SCENE)),
         Command::Convert(args) => path(&mut args.input, ANY),
         Command::Library(_) | Command::New(_) => Ok(()),
     }

@@ -18,6 +18,7 @@
 //! | [`tune`], [`tune_args`] | tension and balance chosen by a search |
 //! | [`sweep`] | the same over a grid, in parts |
 //! | [`mod@retarget`] | a human motion on a character |
+//! | [`mod@style`], [`style_args`] | style components of two motions, put into a third |
 //! | [`convert`] | one format to another |
 //! | [`library`] | names of the library; `library` and `new` |
 //! | [`output`] | text on standard output |
@@ -43,6 +44,8 @@ mod push;
 mod render;
 mod retarget;
 mod retarget_args;
+mod style;
+mod style_args;
 mod summary;
 mod sweep;
 mod tune;
@@ -70,6 +73,7 @@ fn main() -> ExitCode {
         Command::Push(args) => push::run(&args),
         Command::Tune(args) => tune::run(&args),
         Command::Retarget(args) => retarget::run(&args),
+        Command::Style(args) => style::run(&args),
         Command::Convert(args) => convert::run(&args),
         Command::Library(args) => library::run(&args),
         Command::New(args) => library::new(&args),

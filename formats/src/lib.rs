@@ -15,6 +15,7 @@
 //! | [`mujoco_layout`] | between our vectors and MuJoCo's |
 //! | [`table`] | the formats once: endings, what is kept and lost, [`open_clip`], [`open_model`] |
 //! | [`trace_npz`] | a trace as numpy arrays, written and read |
+//! | [`style_file`] | a set of style components, written and read |
 //! | [`analysis`] | an analysis as CSV, MOT and npz |
 //! | [`limits`] | how much a file may hold; reading it |
 //! | [`place`] | places in text files |
@@ -35,12 +36,14 @@ pub mod model;
 pub mod model_file;
 pub mod mujoco_layout;
 pub mod place;
+pub mod style_file;
 pub mod table;
 pub mod trace_npz;
 pub mod urdf;
 mod vocabulary;
 pub mod xml;
 
+pub use style_file::StyleFileError;
 pub use table::{ClipFileError, ClipOut, FORMATS, Format, format_of, open_clip, open_model};
 pub use trace_npz::TraceFileError;
 

@@ -5,7 +5,7 @@
 
 use controllers::plan::dense::BLEND_S;
 use controllers::{Dense, DenseJoint};
-use edits::{ClipChange, EditLog, Motion};
+use edits::{ClipChange, ClipEdit, EditLog, Motion};
 use motion::{Dof, Joint, TimeMap, Tracks};
 use scenes::SceneError;
 use scenes::scene::{EditKind, Scene};
@@ -25,9 +25,16 @@ pub(crate) struct Clips {
 pub(crate) fn apply(scene: &Scene, mut motion: Motion, log: &mut EditLog) -> Result<Clips, SceneError> {
     let mut changed = false;
     for e in &scene.edits {
-        let EditKind::Clip(edit) = &e.kind else { continue };
-        let edited =
-            edit.apply(&motion, &e.place, log).map_err(|x| scene.source.error(&e.at, x.to_string()))?;
+        let fault = |x: String| scene.source.error(&e.at, x);
+        let edited = match &e.kind {
+            EditKind::Track(_) => continue,
+            EditKind::Clip(edit) => edit.apply(&motion, &e.place, log),
+            EditKind::Style(spec) => {
+                let style = crate::styles::of_spec(spec).map_err(|x| fault(x.to_string()))?;
+                style.apply(&motion, &e.place, log)
+            }
+        };
+        let edited = edited.map_err(|x| fault(x.to_string()))?;
         changed |= edited.clip != motion.clip || !edited.times.is_identity();
         motion = motion.with(edited);
     }

@@ -394,7 +394,11 @@ fn of_scene(scene: &Scene) -> Result<SceneInspection, TakeError> {
     };
     let mut edits: Vec<String> = log.edits().iter().map(|e| (*e).to_owned()).collect();
     edits.extend(
-        scene.edits.iter().filter(|e| matches!(e.kind, EditKind::Clip(_))).map(|e| e.kind.name().to_owned()),
+        scene
+            .edits
+            .iter()
+            .filter(|e| !matches!(e.kind, EditKind::Track(_)))
+            .map(|e| e.kind.name().to_owned()),
     );
     let name = |edit: usize| format!("{} (edit {edit})", log.edits()[edit]);
     let s = &scene.character.skeleton;

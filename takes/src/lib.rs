@@ -17,6 +17,7 @@
 //! | `clip`, `clip_edits` | the take of a clip; edits of sampled motion |
 //! | [`retargeting`] | human motion put on a character |
 //! | [`standing`] | the parts of a clip a body can perform on its own feet |
+//! | [`styles`] | style components of two takes, put into a third |
 //! | [`perform`] | the dynamic pass |
 //! | [`results`] | what a take leaves |
 //! | [`inspect`] | what is in a file |
@@ -46,6 +47,7 @@ pub mod script;
 pub mod slides;
 pub mod standing;
 pub mod starter;
+pub mod styles;
 pub mod take;
 
 pub use analysis::{AnalysisInput, AnalysisInputError, AnalysisSettings, AnalysisSource};

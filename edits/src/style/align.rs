@@ -30,13 +30,17 @@ const PATH_HZ: f64 = 1.5;
 const BLEND_S: f64 = 0.15;
 /// Activations this near are those of one clip: each frame is its own partner, where a clip of equal cycles has many.
 const SAME: f64 = 1e-9;
+/// A bone that points ahead and back by less has no swing worth aligning on.
+const LEAST_SWING: f64 = 0.05;
+/// What a swing without a period counts beside the correlation of one with it.
+const NO_PERIOD: f64 = 0.4;
 /// A donor that has to run so many times as fast as it did is said to.
 const FAST: f64 = 1.6;
 
 /// What is aligned on.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub enum On {
-    /// The bone whose swing repeats itself best in both clips; without cycles, the one that moves most in both.
+    /// The thigh whose swing repeats itself best in both clips; where no thigh swings, the bone that does.
     #[default]
     Automatic,
     /// How far this bone points ahead.
@@ -174,12 +178,16 @@ pub fn aligned(
             let worth = |p: &Pair| {
                 let least = spread(&p.base).min(spread(&p.donor));
                 let repeats = p.periods(base_hz, donor_hz).map(|(a, b)| a.correlation.min(b.correlation));
-                (repeats.is_some(), least * repeats.unwrap_or(1.0))
+                (least > LEAST_SWING, least * repeats.unwrap_or(NO_PERIOD))
             };
-            let mut best: Option<((bool, f64), Pair)> = None;
-            for bone in (0..set.figure.bones.len()).filter(|b| set.figure.direction(*b).is_some()) {
+            let thighs = set.figure.thighs();
+            let all = (0..set.figure.bones.len()).filter(|b| set.figure.direction(*b).is_some());
+            let mut best: Option<((bool, bool, f64), Pair)> = None;
+            for bone in all {
                 let pair = of_bone(bone);
-                let w = worth(&pair);
+                let (swings, w) = worth(&pair);
+                // steps are what feet have to keep
+                let w = (swings, thighs.contains(&bone), w);
                 if best.as_ref().is_none_or(|b| w > b.0) {
                     best = Some((w, pair));
                 }

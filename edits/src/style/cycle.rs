@@ -14,8 +14,9 @@ const SHORTEST_S: f64 = 0.3;
 /// Less correlation is no period.
 const LEAST: f64 = 0.5;
 
-/// The period of a series: the lag of the highest peak of its autocorrelation (of overlapping parts), from 0.3 s to half
-/// of its length; of peaks within 90 % of the highest the first, so that two periods are not taken for one.
+/// The period of a series: the lag of the highest peak of its autocorrelation (of overlapping parts), from 0.3 s to seven
+/// tenths of its length; of peaks within 90 % of the highest the first, so that two periods are not taken for one. Peaks count
+/// by the root of the share that overlaps: little that overlaps correlates by chance.
 pub fn period(x: &[f64], rate_hz: f64) -> Option<Period> {
     let n = x.len();
     let correlation = |lag: usize| {
@@ -31,7 +32,7 @@ pub fn period(x: &[f64], rate_hz: f64) -> Option<Period> {
         if aa > 0.0 && bb > 0.0 { ab / (aa * bb).sqrt() } else { 0.0 }
     };
     let first = (SHORTEST_S * rate_hz).ceil() as usize;
-    let last = n / 2;
+    let last = 7 * n / 10;
     if first < 1 || last < first + 2 {
         return None;
     }
@@ -41,8 +42,9 @@ pub fn period(x: &[f64], rate_hz: f64) -> Option<Period> {
         .filter(|i| all[*i] >= all[i - 1] && all[*i] > all[i + 1] && all[*i] > LEAST)
         .map(|i| (first - 1 + i, all[i]))
         .collect();
-    let highest = peaks.iter().map(|p| p.1).fold(0.0, f64::max);
-    let (lag, correlation) = *peaks.iter().find(|p| p.1 >= 0.9 * highest)?;
+    let worth = |p: &(usize, f64)| p.1 * ((n - p.0) as f64 / n as f64).sqrt();
+    let highest = peaks.iter().map(worth).fold(0.0, f64::max);
+    let (lag, correlation) = *peaks.iter().find(|p| worth(p) >= 0.9 * highest)?;
     Some(Period { seconds: lag as f64 / rate_hz, correlation })
 }
 

@@ -1,10 +1,9 @@
 //! Feet that stand where they stood: planted by two-bone IK after a style has changed the legs.
 //!
 //! In: a clip before the change with its contacts. Out: the changed clip whose standing feet are where they were, and
-//! come there and leave within 0.12 s. Where a leg would be too short the root comes down, smoothly.
+//! come there and leave within 0.16 s. Where a leg would be too short the root comes down, smoothly.
 
 use motion::ik::{Reach, reach_range, solve_two_bone_oriented};
-use motion::plant::STRAIGHTEST;
 use motion::rotation::slerp;
 use motion::smooth::whittaker::{Whittaker, lambda};
 use motion::{Clip, ContactPlan, Joint, Kinematics, Limb, LimbKind, Transform, Vec3, smoothstep};
@@ -13,9 +12,12 @@ use super::StyleError;
 use super::transfer::worlds;
 
 /// A foot comes to its place, and leaves it, over this time, s.
-const RAMP_S: f64 = 0.12;
+const RAMP_S: f64 = 0.16;
 /// Feet this near to their places are there, m: nothing is solved, so that what is unchanged stays so to the bit.
 const THERE_M: f64 = 1e-9;
+/// A leg is not pulled straighter than this fraction of its length, 14° of knee flexion for equal bones: near full stretch
+/// the knee jerks. What was straighter in the base may stay so.
+const STRAIGHTEST: f64 = 0.9925;
 /// The root is lowered no faster than this frequency, Hz.
 const LOWER_HZ: f64 = 2.5;
 

@@ -104,6 +104,20 @@ impl Figure {
         places
     }
 
+    /// The upper bones of the legs: those that hang in the zero pose, are long, and are on no such bone themselves.
+    pub fn thighs(&self) -> Vec<usize> {
+        let places = self.places(&vec![Quat::identity(); self.bones.len()]);
+        let hangs = |b: usize| {
+            let children = self.bones.iter().filter(|c| c.parent == Some(b));
+            let length = children.map(|c| c.offset.norm()).fold(0.0, f64::max);
+            let down = self.direction(b).is_some_and(|d| d.y < -0.7);
+            down && length > 0.25 * self.leg_m && places[b].y < 0.1 * self.leg_m
+        };
+        (0..self.bones.len())
+            .filter(|b| hangs(*b) && self.bones[*b].parent.is_some_and(|p| !hangs(p)))
+            .collect()
+    }
+
     /// A bone by name.
     pub fn bone(&self, name: &str) -> Option<usize> {
         self.bones.iter().position(|b| b.name == name)

@@ -227,6 +227,10 @@ fn nearest(m: &Matrix3<f64>, guess: Quat) -> Quat {
             return g;
         }
     }
+    // singular values of what is no number are looked for without end
+    if !m.iter().all(|x| x.is_finite()) {
+        return guess;
+    }
     let svd = m.svd(true, true);
     let (Some(u), Some(vt)) = (svd.u, svd.v_t) else { return guess };
     let mut flip = Matrix3::identity();

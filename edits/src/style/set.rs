@@ -10,7 +10,7 @@
 
 use std::collections::BTreeMap;
 
-use learn::ica::{Ica, IcaOptions, fit, whiten};
+use learn::ica::{Contrast, Ica, IcaOptions, Method, fit, whiten};
 use motion::Clip;
 use nalgebra::{DMatrix, DVector};
 
@@ -79,6 +79,12 @@ pub struct StyleSet {
     pub carried_mean: DVector<f64>,
     /// What one unit of a component does to them.
     pub carried_mixing: DMatrix<f64>,
+    /// W, from whitened data to components, k × k: `u W` is the whitened data.
+    pub rotation: DMatrix<f64>,
+    /// W₀, the start of the fixed point, k × k.
+    pub start: DMatrix<f64>,
+    /// The nonlinearity and the method that were used.
+    pub found_by: (Contrast, Method),
     /// u, frames of the first clip and then of the second × k.
     pub activations: DMatrix<f64>,
     /// Components that are one: every component is in one group. Indices from 0.
@@ -130,7 +136,18 @@ impl StyleSet {
         let carried = joined(&one.carried, &two.carried);
         let ica = if options.principal { principal(&own, options)? } else { fit(&own, &options.ica)? };
         let frames = [one.own.nrows(), two.own.nrows()];
-        Ok(Self::ordered(figure, coding, a.clip.rate_hz, [a.name, b.name], frames, &ica, &carried, notes))
+        let found_by = (options.ica.contrast, options.ica.method);
+        Ok(Self::ordered(
+            figure,
+            coding,
+            a.clip.rate_hz,
+            [a.name, b.name],
+            frames,
+            &ica,
+            &carried,
+            found_by,
+            notes,
+        ))
     }
 
     #[expect(clippy::too_many_arguments, reason = "the parts of the value that is built")]
@@ -142,6 +159,7 @@ impl StyleSet {
         frames: [usize; 2],
         ica: &Ica,
         carried: &DMatrix<f64>,
+        found_by: (Contrast, Method),
         mut notes: Vec<String>,
     ) -> Self {
         let k = ica.components();
@@ -157,6 +175,7 @@ impl StyleSet {
         }
         let unmixing = unmixing * ica.rotation.transpose();
         let activations = sorted(&ica.activations);
+        let rotation = DMatrix::from_fn(k, k, |r, c| ica.rotation[(order[r], c)]);
         // activations have unit variance and no correlation: the regression on them is a mean of products
         let n = activations.nrows() as f64;
         let carried_mean = DVector::from_iterator(carried.ncols(), carried.column_iter().map(|c| c.mean()));
@@ -190,6 +209,9 @@ impl StyleSet {
             unmixing: sorted(&unmixing),
             carried_mean,
             carried_mixing,
+            rotation,
+            start: ica.start.clone(),
+            found_by,
             activations,
             groups: (0..k).map(|i| vec![i]).collect(),
             explained: ica.whitening.explained(),
@@ -356,6 +378,7 @@ fn principal(x: &DMatrix<f64>, options: &StyleOptions) -> Result<Ica, StyleError
         mixing: whitening.dewhitening(),
         activations: whitening.apply(x),
         rotation: DMatrix::identity(k, k),
+        start: DMatrix::identity(k, k),
         whitening,
         agreement: vec![1.0; k],
         converged: true,

@@ -103,6 +103,14 @@ impl Transfer {
         let components = set.clear().into_iter().map(|c| (c, Parameter::Constant(amount))).collect();
         Transfer { donor, components, on: On::Automatic, timing: Timing::Base, cutoff_hz: CUTOFF_HZ }
     }
+
+    /// The same with these components (indices of groups), all with one amount.
+    pub fn only(self, components: &[usize], amount: f64) -> Self {
+        Transfer {
+            components: components.iter().map(|c| (*c, Parameter::Constant(amount))).collect(),
+            ..self
+        }
+    }
 }
 
 /// A motion with style, and what there is to say of it.

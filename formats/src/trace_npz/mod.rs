@@ -56,6 +56,7 @@ mod npy;
 mod read;
 mod write;
 
+pub(crate) use read::Arrays as ArraysIn;
 pub use read::{TraceFileError, open, read};
 pub(crate) use write::Arrays;
 pub use write::{save, write};

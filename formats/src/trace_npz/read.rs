@@ -83,8 +83,7 @@ const RATES: std::ops::RangeInclusive<f64> = 1e-3..=1e6;
 /// # Errors
 /// [`TraceFileError`]: what was found, what is allowed, where.
 pub fn read<R: Read + Seek>(input: R) -> Result<Trace, TraceFileError> {
-    let zip = ZipArchive::new(input).map_err(zip_fault)?;
-    arrays(&mut Arrays(zip))
+    arrays(&mut Arrays::new(input)?)
 }
 
 /// [`read`] of a file.
@@ -390,15 +389,26 @@ fn skeleton<R: Read + Seek>(npz: &mut Arrays<R>) -> Result<Skeleton, TraceFileEr
 }
 
 /// The arrays of a file, one by one.
-struct Arrays<R: Read + Seek>(ZipArchive<R>);
+pub(crate) struct Arrays<R: Read + Seek>(ZipArchive<R>);
 
 impl<R: Read + Seek> Arrays<R> {
-    fn has(&self, name: &str) -> bool {
+    pub(crate) fn new(input: R) -> Result<Self, TraceFileError> {
+        Ok(Arrays(ZipArchive::new(input).map_err(zip_fault)?))
+    }
+
+    /// A file that is no array; `None` where there is none of this name.
+    pub(crate) fn file(&mut self, name: &str) -> Option<Vec<u8>> {
+        let mut bytes = Vec::new();
+        self.0.by_name(name).ok()?.read_to_end(&mut bytes).ok()?;
+        Some(bytes)
+    }
+
+    pub(crate) fn has(&self, name: &str) -> bool {
         let file = format!("{name}.npy");
         self.0.file_names().any(|f| f.is_ok_and(|f| f == file))
     }
 
-    fn array(&mut self, name: &'static str) -> Result<(Vec<usize>, Npy), TraceFileError> {
+    pub(crate) fn array(&mut self, name: &'static str) -> Result<(Vec<usize>, Npy), TraceFileError> {
         let mut entry = match self.0.by_name(&format!("{name}.npy")) {
             Ok(entry) => entry,
             Err(ZipError::FileNotFound) => return Err(TraceFileError::Missing { array: name }),
@@ -415,30 +425,42 @@ impl<R: Read + Seek> Arrays<R> {
         Ok((array.shape.clone(), array))
     }
 
-    fn shaped(&mut self, name: &'static str, allowed: &[usize]) -> Result<Npy, TraceFileError> {
+    pub(crate) fn shaped(&mut self, name: &'static str, allowed: &[usize]) -> Result<Npy, TraceFileError> {
         let (found, array) = self.array(name)?;
         check_shape(name, &found, allowed)?;
         Ok(array)
     }
 
-    fn reals(&mut self, name: &'static str, shape: &[usize]) -> Result<Vec<f64>, TraceFileError> {
+    pub(crate) fn reals(&mut self, name: &'static str, shape: &[usize]) -> Result<Vec<f64>, TraceFileError> {
         self.shaped(name, shape)?.into_reals().map_err(fault(name))
     }
 
-    fn vectors(&mut self, name: &'static str, shape: &[usize]) -> Result<Vec<Vec3>, TraceFileError> {
+    pub(crate) fn vectors(
+        &mut self,
+        name: &'static str,
+        shape: &[usize],
+    ) -> Result<Vec<Vec3>, TraceFileError> {
         Ok(self.reals(name, shape)?.chunks_exact(3).map(Vec3::from_column_slice).collect())
     }
 
-    fn integers(&mut self, name: &'static str, shape: &[usize]) -> Result<Vec<i64>, TraceFileError> {
+    pub(crate) fn integers(
+        &mut self,
+        name: &'static str,
+        shape: &[usize],
+    ) -> Result<Vec<i64>, TraceFileError> {
         self.shaped(name, shape)?.into_integers().map_err(fault(name))
     }
 
-    fn texts(&mut self, name: &'static str, shape: &[usize]) -> Result<Vec<String>, TraceFileError> {
+    pub(crate) fn texts(
+        &mut self,
+        name: &'static str,
+        shape: &[usize],
+    ) -> Result<Vec<String>, TraceFileError> {
         self.shaped(name, shape)?.into_texts().map_err(fault(name))
     }
 
     /// Texts of any number.
-    fn list(&mut self, name: &'static str) -> Result<Vec<String>, TraceFileError> {
+    pub(crate) fn list(&mut self, name: &'static str) -> Result<Vec<String>, TraceFileError> {
         let (found, array) = self.array(name)?;
         check_shape(name, &found, &[found.first().copied().unwrap_or(0)])?;
         array.into_texts().map_err(fault(name))

@@ -279,8 +279,13 @@ impl<W: Write + Seek> Arrays<W> {
     }
 
     fn entry(&mut self, name: &str, npy: &[u8]) -> io::Result<()> {
-        self.0.start_file(format!("{name}.npy"), options())?;
-        self.0.write_all(npy)
+        self.file(&format!("{name}.npy"), npy)
+    }
+
+    /// A file that is no array.
+    pub(crate) fn file(&mut self, name: &str, bytes: &[u8]) -> io::Result<()> {
+        self.0.start_file(name, options())?;
+        self.0.write_all(bytes)
     }
 
     pub(crate) fn indices(&mut self, name: &str, data: impl Iterator<Item = usize>) -> io::Result<()> {

@@ -26,7 +26,17 @@ pub enum Contrast {
     Exp,
 }
 
+impl Method {
+    /// All, with their names.
+    pub const NAMES: [(Self, &'static str); 2] =
+        [(Self::Symmetric, "symmetric"), (Self::Deflation, "deflation")];
+}
+
 impl Contrast {
+    /// All, with their names.
+    pub const NAMES: [(Self, &'static str); 3] =
+        [(Self::Tanh, "tanh"), (Self::Cube, "cube"), (Self::Exp, "exp")];
+
     /// g and g′.
     fn at(self, u: f64) -> (f64, f64) {
         match self {

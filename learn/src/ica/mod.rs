@@ -77,6 +77,8 @@ pub struct Ica {
     pub whitening: Whitening,
     /// W, k × k, a rotation; rows are components.
     pub rotation: DMatrix<f64>,
+    /// W₀, k × k: the start that is kept.
+    pub start: DMatrix<f64>,
     /// A, channels × k.
     pub mixing: DMatrix<f64>,
     /// u, observations × k.
@@ -179,6 +181,7 @@ pub fn fit(x: &DMatrix<f64>, options: &IcaOptions) -> Result<Ica, IcaError> {
     let signs = DVector::from_fn(k, |i, _| sign(order[i]));
     let mixing = DMatrix::from_fn(mixing.nrows(), k, |r, c| signs[c] * mixing[(r, order[c])]);
     Ok(Ica {
+        start: fixed_point::start(k, options.seed.wrapping_add(best as u64)),
         agreement: order.iter().map(|i| all[best][*i]).collect(),
         converged: kept.converged,
         steps: kept.steps,

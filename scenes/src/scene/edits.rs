@@ -5,6 +5,10 @@
 //!
 //! Track edits change a script and come before clip edits, which change what was sampled from it.
 
+use std::collections::BTreeMap;
+use std::path::PathBuf;
+
+use edits::style::Timing;
 use edits::{
     Amount, Amplitude, ClipEdit, ExtentReach, ExtentShoulder, Parameter, Reference, Succession, Tension,
     TrackEdit, Warp, Where,
@@ -20,14 +24,44 @@ pub enum EditKind {
     Track(Box<dyn TrackEdit + Send + Sync>),
     /// A sampled motion, wherever it came from.
     Clip(Box<dyn ClipEdit + Send + Sync>),
+    /// A sampled motion, by components that are in a file; `takes` reads it.
+    Style(Box<StyleSpec>),
+}
+
+/// The edit `Style` as a scene has it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct StyleSpec {
+    /// The file of components.
+    pub path: PathBuf,
+    /// Numbers of the components, from 1; empty: those that tell the two clips apart.
+    pub only: Vec<usize>,
+    /// How much of them.
+    pub amount: Parameter,
+    /// Name of the clip whose style it is; `None`: the second.
+    pub from: Option<String>,
+    /// The bone that is aligned on; `None`: automatic.
+    pub align: Option<String>,
+    /// Whose timing.
+    pub timing: Timing,
+    /// Bones of the set and what the motion calls them.
+    pub names: BTreeMap<String, String>,
 }
 
 impl EditKind {
+    /// The file that it is made of.
+    pub fn file(&self) -> Option<&PathBuf> {
+        match self {
+            Self::Style(style) => Some(&style.path),
+            Self::Track(_) | Self::Clip(_) => None,
+        }
+    }
+
     /// Its name, as scenes and the log call it.
     pub fn name(&self) -> &'static str {
         match self {
             Self::Track(edit) => edit.name(),
             Self::Clip(edit) => edit.name(),
+            Self::Style(_) => "style",
         }
     }
 }
@@ -70,9 +104,9 @@ impl Check<'_> {
                 "the edit `{name}` changes the poses of a script; the motion of this scene is: {}",
                 source.describe()
             );
-            return Err(refused(why).with_help("edits of any motion: Warp"));
+            return Err(refused(why).with_help("edits of any motion: Warp, Style"));
         }
-        match before.iter().find(|b| matches!(b.kind, EditKind::Clip(_))) {
+        match before.iter().find(|b| matches!(b.kind, EditKind::Clip(_) | EditKind::Style(_))) {
             None => Ok(()),
             Some(clip) => Err(refused(format!(
                 "the edit `{name}` changes the script, but `{}` before it changes what was sampled from the script; \
@@ -89,7 +123,8 @@ impl Check<'_> {
             | EditRon::ExtentShoulder { on, repetition, parts, .. }
             | EditRon::ExtentReach { on, repetition, parts, .. }
             | EditRon::Tension { on, repetition, parts, .. } => (on, repetition, parts, None),
-            EditRon::Warp { on, repetition, parts, span_s, .. } => (on, repetition, parts, *span_s),
+            EditRon::Warp { on, repetition, parts, span_s, .. }
+            | EditRon::Style { on, repetition, parts, span_s, .. } => (on, repetition, parts, *span_s),
         };
         let track = |edit: Box<dyn TrackEdit + Send + Sync>| EditKind::Track(edit);
         let kind = match e {
@@ -115,6 +150,21 @@ impl Check<'_> {
             }
             EditRon::Tension { .. } => {
                 return Err(self.source.error(at, "a Tension takes either `factor` or `absolute`"));
+            }
+            EditRon::Style { components, amount, only, from, align, timing, names, .. } => {
+                EditKind::Style(Box::new(StyleSpec {
+                    path: self.source.beside(
+                        &format!("{at}.components"),
+                        "file of style components",
+                        components,
+                    )?,
+                    only: only.clone(),
+                    amount: parameter(amount),
+                    from: from.clone(),
+                    align: align.clone(),
+                    timing: timing.0,
+                    names: names.clone(),
+                }))
             }
             EditRon::Warp { times_s, .. } => EditKind::Clip(Box::new(Warp { anchors: times_s.clone() })),
         };

@@ -29,7 +29,7 @@ use crate::conditions::ConditionsSpec;
 use crate::schema::SceneRon;
 use crate::{Patch, SceneError, Source, StripSpec, TuneSpec, character_file, library};
 
-pub use edits::{EditKind, SceneEdit};
+pub use edits::{EditKind, SceneEdit, StyleSpec};
 pub use motion::{RetargetSpec, SceneSource};
 pub use script::ScriptSpec;
 
@@ -91,9 +91,10 @@ pub fn parse(source: Source, name: String) -> Result<Scene, SceneError> {
     let moves = script.moves();
     let motion = check.motion(&ron, &beside, script)?;
     files.extend(motion.files().into_iter().cloned());
-    files.retain(|file| !library::is_location(file));
     let tune = TuneSpec::read(ron.tune.as_ref(), moves || ron.motion.is_some(), &source)?;
     let edits = check.edits(&ron.edits, &motion)?;
+    files.extend(edits.iter().filter_map(|e| e.kind.file().cloned()));
+    files.retain(|file| !library::is_location(file));
     let conditions = check.conditions(&ron, physics)?;
     let rate = |x| check.within("rate_hz", x, 1.0, 1000.0, "Hz");
     let rate_hz = ron.rate_hz.map(rate).transpose()?;

@@ -1,7 +1,9 @@
 //! Words of edits: what is changed, where, by how much.
 
+use std::collections::BTreeMap;
 use std::fmt;
 
+use edits::style::Timing;
 use edits::{Direction, Reference};
 use serde::Deserialize;
 use serde::de::{self, Deserializer, MapAccess, SeqAccess, Visitor};
@@ -125,5 +127,23 @@ pub enum EditRon {
         parts: Vec<String>,
         span_s: Option<(f64, f64)>,
         times_s: Vec<(f64, f64)>,
+    },
+    Style {
+        #[serde(default)]
+        on: String,
+        repetition: Option<usize>,
+        #[serde(default)]
+        parts: Vec<String>,
+        span_s: Option<(f64, f64)>,
+        components: String,
+        amount: ParameterRon,
+        #[serde(default)]
+        only: Vec<usize>,
+        from: Option<String>,
+        align: Option<String>,
+        #[serde(default)]
+        timing: Named<Timing>,
+        #[serde(default)]
+        names: BTreeMap<String, String>,
     },
 }
