@@ -25,7 +25,7 @@ use learn::ica::{Count, IcaOptions};
 use scenes::scene::StyleSpec;
 
 use crate::Take;
-use crate::clip::within_limits;
+use crate::limited::within_limits;
 use crate::standing::stance;
 
 pub use edits::style;
