@@ -201,7 +201,7 @@ pub fn read<R: Read + Seek>(input: R) -> Result<StyleSet, StyleFileError> {
     let center = npz.reals("center", &[bones, 4])?;
     for (bone, q) in center.chunks_exact(4).enumerate() {
         let length = q.iter().map(|x| x * x).sum::<f64>().sqrt();
-        if !((length - 1.0).abs() < 1e-9) {
+        if length.is_nan() || (length - 1.0).abs() >= 1e-9 {
             return Err(value("center of bone", bone, format!("of length {length}"), "a unit quaternion"));
         }
     }
