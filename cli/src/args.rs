@@ -36,6 +36,8 @@ Examples:
                                               learn an edit from examples
   contrapposto pose walk.bvh --frame 40 --drag RightHand=-0.4,1.6,0.3
                                               another pose there, blended in
+  contrapposto style transfer --from sneak.bvh --to walk.bvh
+                                              the walk, sneaking
   contrapposto convert walk.bvh walk.glb      change the format only
   contrapposto library                        scenes and characters that are inside the program
   contrapposto new first                      a folder with a scene to start from
@@ -49,6 +51,7 @@ pub use crate::analysis_args::{AnalyzeArgs, Pick, PlotArgs};
 pub use crate::pose_args::PoseArgs;
 pub use crate::propagate_args::PropagateArgs;
 pub use crate::retarget_args::RetargetArgs;
+pub use crate::style_args::StyleArgs;
 pub use crate::tune_args::TuneArgs;
 
 /// What to do.
@@ -74,6 +77,8 @@ pub enum Command {
     Propagate(PropagateArgs),
     /// Correct a pose of a clip by dragging its joints, and the frames around it with it
     Pose(PoseArgs),
+    /// Take two motions apart into style components, and put them into others
+    Style(StyleArgs),
     /// Write a clip, the kinematic motion of a scene, or a body in another format
     Convert(ConvertArgs),
     /// List the scenes, characters and key poses inside the program, or print one

@@ -72,6 +72,12 @@ impl From<takes::retargeting::RetargetingError> for Failure {
     }
 }
 
+impl From<takes::styles::StylesError> for Failure {
+    fn from(e: takes::styles::StylesError) -> Self {
+        Self::input(e)
+    }
+}
+
 impl From<takes::UnknownEngine> for Failure {
     fn from(e: takes::UnknownEngine) -> Self {
         Self::input(e)

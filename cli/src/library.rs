@@ -40,6 +40,7 @@ pub fn resolve(command: &mut Command) -> Result<(), Failure> {
             .and(given(&mut args.keyposes, &[Kind::KeyPoses]))
             .and(given(&mut args.body, BODY)),
         Command::Pose(args) => path(&mut args.input, SCENE),
+        Command::Style(args) => args.inputs().into_iter().try_for_each(|file| path(file, SCENE)),
         Command::Convert(args) => path(&mut args.input, ANY),
         Command::Library(_) | Command::New(_) | Command::Propagate(_) => Ok(()),
     }

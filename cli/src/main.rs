@@ -20,6 +20,7 @@
 //! | [`mod@retarget`] | a human motion on a character |
 //! | [`mod@propagate`], [`propagate_args`] | an edit learned from examples |
 //! | [`pose`], [`pose_args`] | a pose of a clip corrected by dragging |
+//! | [`mod@style`], [`style_args`] | style components of two motions, put into a third |
 //! | [`convert`] | one format to another |
 //! | [`library`] | names of the library; `library` and `new` |
 //! | [`output`] | text on standard output |
@@ -50,6 +51,8 @@ mod push;
 mod render;
 mod retarget;
 mod retarget_args;
+mod style;
+mod style_args;
 mod summary;
 mod sweep;
 mod tune;
@@ -79,6 +82,7 @@ fn main() -> ExitCode {
         Command::Retarget(args) => retarget::run(&args),
         Command::Propagate(args) => propagate::run(&args),
         Command::Pose(args) => pose::run(&args),
+        Command::Style(args) => style::run(&args),
         Command::Convert(args) => convert::run(&args),
         Command::Library(args) => library::run(&args),
         Command::New(args) => library::new(&args),

@@ -34,5 +34,7 @@ mod render;
 mod report;
 #[path = "cli/retarget.rs"]
 mod retarget;
+#[path = "cli/style.rs"]
+mod style;
 #[path = "cli/tune.rs"]
 mod tune;

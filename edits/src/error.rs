@@ -253,6 +253,9 @@ pub enum EditError {
     /// An edit by example that does not fit.
     #[error("by example: {0}")]
     Example(#[from] ExampleError),
+    /// A style that does not fit.
+    #[error("style: {0}")]
+    Style(Box<crate::style::StyleError>),
 }
 
 impl EditError {

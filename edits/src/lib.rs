@@ -26,6 +26,7 @@
 //! | [`pose_delta`] | one pose corrected and blended, or a block of them |
 //! | [`pose_request`] | a pose asked for by dragging |
 //! | [`time_delta`] | one pose dragged in time |
+//! | [`style`] | components of two clips, put into a third |
 //! | [`poses`] | elements grouped by pose: for edits that think in poses |
 //! | [`error`] | what can be wrong |
 //!
@@ -69,6 +70,7 @@ pub mod pose_delta;
 pub mod pose_request;
 pub mod poses;
 pub mod selector;
+pub mod style;
 pub mod succession;
 pub mod tension;
 pub mod time_delta;
@@ -89,6 +91,7 @@ pub use place::{ClipPlace, Where};
 pub use pose_delta::{PoseChange, PoseDelta};
 pub use pose_request::{Met, PoseAnswer, PoseRequest};
 pub use selector::{Place, Selection, Selector};
+pub use style::Style;
 pub use succession::{Direction, Succession};
 pub use tension::{Amount, Tension};
 pub use time_delta::TimeDelta;

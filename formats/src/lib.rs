@@ -16,6 +16,7 @@
 //! | [`table`] | the formats once: endings, what is kept and lost, [`open_clip`], [`open_model`] |
 //! | [`trace_npz`] | a trace as numpy arrays, written and read |
 //! | [`example_file`] | a learned edit, written and read |
+//! | [`style_file`] | a set of style components, written and read |
 //! | [`analysis`] | an analysis as CSV, MOT and npz |
 //! | [`limits`] | how much a file may hold; reading it |
 //! | [`place`] | places in text files |
@@ -37,6 +38,7 @@ pub mod model;
 pub mod model_file;
 pub mod mujoco_layout;
 pub mod place;
+pub mod style_file;
 pub mod table;
 pub mod trace_npz;
 pub mod urdf;
@@ -44,6 +46,7 @@ mod vocabulary;
 pub mod xml;
 
 pub use example_file::ExampleFileError;
+pub use style_file::StyleFileError;
 pub use table::{ClipFileError, ClipOut, FORMATS, Format, format_of, open_clip, open_model};
 pub use trace_npz::TraceFileError;
 

@@ -17,6 +17,8 @@ pub const CLIP_BYTES: u64 = 2 << 30;
 pub const TRACE_BYTES: u64 = 8 << 30;
 /// Largest learned edit: an hour of examples at 30 Hz has 800 MB.
 pub const EDIT_BYTES: u64 = 1 << 30;
+/// Largest set of style components: two clips of half an hour at 120 Hz in 20 components have 70 MB.
+pub const STYLE_BYTES: u64 = 256 << 20;
 /// Most elements of a model with all it includes.
 pub const ELEMENTS: usize = 200_000;
 /// Most attributes of one element.

@@ -121,6 +121,17 @@ pub const FORMATS: &[Format] = &[
         read_model: None,
         writes_body: false,
     },
+    Format {
+        name: "style components",
+        endings: &["style"],
+        keeps: "bones, mean, components, activations of both clips, how they were found, to the bit; numpy arrays in a zip, with words in RON",
+        loses: "the clips themselves; `contrapposto style` and the edit Style of a scene read it",
+        read_clip: None,
+        write_clip: None,
+        units: false,
+        read_model: None,
+        writes_body: false,
+    },
 ];
 
 /// Why a file gave no clip, or a clip no file.

@@ -23,6 +23,7 @@
 //! | [`kcca`] | kernel canonical correlation analysis |
 //! | [`kernel`] | the kernel of the Gaussian processes |
 //! | [`dtw`] | dynamic time warping: which frame of one series belongs to which of another |
+//! | [`ica`] | principal and independent components of many channels (FastICA) |
 //! | [`error`] | what can be wrong |
 //!
 //! ```
@@ -72,6 +73,7 @@ pub mod examples;
 mod fixture;
 pub mod gp;
 pub mod gplvm;
+pub mod ica;
 pub mod kcca;
 pub mod kernel;
 mod likelihood;

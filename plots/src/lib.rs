@@ -23,6 +23,7 @@
 //! | [`tuning`] | what a search did: costs, slices, before and after |
 //! | [`trade`] | tracking error against root wrench, per fidelity |
 //! | [`retargeted`] | latent paths, momentum and force matched, confidence, tables |
+//! | [`style_components`] | activations of style components over time |
 //! | [`stages`] | film strip with a column for every stage of a motion on its way to another body |
 //! | [`excerpt`] | a span of a trace, chosen joints |
 //! | `face` | eyes and nose of bare heads |
@@ -57,6 +58,7 @@ pub mod solid;
 pub mod stages;
 pub mod strip;
 pub mod style;
+pub mod style_components;
 pub mod torque;
 pub mod trade;
 pub mod tuning;

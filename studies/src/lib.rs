@@ -9,6 +9,7 @@
 //! | `level_ground` | the ground that pushes and costs need |
 //! | [`pareto`] | the trade between fidelity and help from outside |
 //! | [`propagate`] | edits by example |
+//! | [`mod@style`] | style transfers measured: does the style come, does the content stay |
 //! | [`retarget`] | how good a set of key poses is; models side by side |
 
 mod level_ground;
@@ -16,4 +17,5 @@ pub mod pareto;
 pub mod propagate;
 pub mod push;
 pub mod retarget;
+pub mod style;
 pub mod tune;

@@ -52,6 +52,10 @@ fn open(stored: &StoredEdit, scene: &Scene, at: &str) -> Result<Box<dyn ClipEdit
             })?;
             Ok(Box::new(ByExample { amount: *amount, ..ByExample::new(Arc::new(edit)) }))
         }
+        StoredEdit::Style(spec) => {
+            let style = crate::styles::of_spec(spec).map_err(|x| scene.source.error(at, x.to_string()))?;
+            Ok(Box::new(style))
+        }
     }
 }
 

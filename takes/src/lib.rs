@@ -18,6 +18,7 @@
 //! | [`retargeting`] | human motion put on a character |
 //! | [`posing`] | a clip posed by dragging |
 //! | [`standing`] | the parts of a clip a body can perform on its own feet |
+//! | [`styles`] | style components of two takes, put into a third |
 //! | [`perform`] | the dynamic pass |
 //! | [`results`] | what a take leaves |
 //! | [`inspect`] | what is in a file |
@@ -48,6 +49,7 @@ pub mod script;
 pub mod slides;
 pub mod standing;
 pub mod starter;
+pub mod styles;
 pub mod take;
 
 pub use analysis::{AnalysisInput, AnalysisInputError, AnalysisSettings, AnalysisSource};

@@ -1,4 +1,4 @@
-//! Dynamic time warping: which frame of one series belongs to which of another [SK83].
+//! Dynamic time warping: which frame of one series belongs to which of another \[SK83\].
 //!
 //! In: two series of frames with the same channels, in any unit (scale channels before, so that they count
 //! alike). Out: the warping path, a chain of cells (i, j) from the first frames to the last that goes on by
@@ -15,7 +15,7 @@
 //! Cells are worked on by antidiagonals, which do not depend on themselves: the compiler makes vector code of
 //! them. Memory is one byte a cell in the band.
 //!
-//! [SK83] Sankoff, Kruskal. Time Warps, String Edits, and Macromolecules. Addison-Wesley 1983.
+//! \[SK83\] Sankoff, Kruskal. Time Warps, String Edits, and Macromolecules. Addison-Wesley 1983.
 //! Sakoe, Chiba. Dynamic programming algorithm optimization for spoken word recognition. IEEE ASSP 1978.
 
 mod path;
@@ -84,6 +84,8 @@ pub struct Limits {
     pub wait: Option<usize>,
     /// Frames at either end of either series that may be without a partner, at no cost.
     pub loose: usize,
+    /// Whether `a` is a piece of `b`: any number of frames at either end of `b` may be without a partner.
+    pub piece: bool,
 }
 
 /// Why two series have no path.

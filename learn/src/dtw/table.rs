@@ -1,7 +1,7 @@
 //! The table of dynamic programming, by antidiagonals.
 //!
 //! Cell (i, j) of the frames is (i + 1, j + 1) here, on the antidiagonal k = i + j + 2; row and column 0 are
-//! where a path may start from: (0, 0), and (0, j), (i, 0) up to the loose frames. With waits limited to w,
+//! where a path may start from: (0, 0), and (0, j), (i, 0) up to the loose frames (any j for a piece). With waits limited to w,
 //!
 //! ```text
 //! D(i, j) = min  D(i−1−s, j−1) + Σ_{t ≤ s} c(i−t, j),   s = 0 … w   (b waits s steps)
@@ -94,8 +94,8 @@ fn spans(m: usize, n: usize, band: Option<usize>) -> (Vec<Span>, usize) {
 }
 
 /// Whether a path may end in row i, column j.
-fn ends(i: usize, j: usize, m: usize, n: usize, loose: usize) -> bool {
-    (i == m && j + loose >= n) || (j == n && i + loose >= m)
+fn ends(i: usize, j: usize, m: usize, n: usize, limits: Limits) -> bool {
+    (i == m && (limits.piece || j + limits.loose >= n)) || (j == n && i + limits.loose >= m)
 }
 
 pub(super) fn cheapest(a: Series, b: Series, limits: Limits) -> Result<Path, DtwError> {
@@ -110,8 +110,8 @@ pub(super) fn cheapest(a: Series, b: Series, limits: Limits) -> Result<Path, Dtw
     let wait = limits.wait.filter(|w| *w < m.max(n));
     let end = match wait {
         Some(wait) if wait > LONGEST_WAIT => return Err(DtwError::Wait { wait, frames: m.max(n) }),
-        Some(wait) => limited(&costs, &spans, wait, limits.loose, &mut steps),
-        None => unlimited(&costs, &spans, limits.loose, &mut steps),
+        Some(wait) => limited(&costs, &spans, wait, limits, &mut steps),
+        None => unlimited(&costs, &spans, limits, &mut steps),
     };
     if !end.cost.is_finite() {
         let Limits { band, loose, .. } = limits;
@@ -128,7 +128,7 @@ const ONLY_A: u8 = 1;
 const ONLY_B: u8 = 2;
 
 /// Infinity around the span, and what a path may start from.
-fn borders(row: &mut [f64], k: usize, span: &Span, margin: usize, loose: usize) {
+fn borders(row: &mut [f64], k: usize, span: &Span, margin: usize, limits: Limits) {
     let last = row.len() - 1;
     if span.lo <= span.hi {
         row[span.lo.saturating_sub(margin)..span.lo].fill(f64::INFINITY);
@@ -136,11 +136,16 @@ fn borders(row: &mut [f64], k: usize, span: &Span, margin: usize, loose: usize) 
     } else {
         row.fill(f64::INFINITY);
     }
-    let start = if k <= loose { 0.0 } else { f64::INFINITY };
-    row[0] = start;
+    starts(row, k, limits);
+}
+
+/// What a path may start from on antidiagonal k: the cells (0, k) and (k, 0).
+fn starts(row: &mut [f64], k: usize, limits: Limits) {
+    let start = |may: bool| if may { 0.0 } else { f64::INFINITY };
     if k < row.len() {
-        row[k] = start;
+        row[k] = start(k <= limits.loose);
     }
+    row[0] = start(limits.piece || k <= limits.loose);
 }
 
 struct End {
@@ -150,9 +155,9 @@ struct End {
 
 impl End {
     /// The cheaper of what was found and the ends on antidiagonal k; the later at equal costs.
-    fn look(&mut self, row: &[f64], k: usize, span: &Span, costs: &Costs, loose: usize) {
+    fn look(&mut self, row: &[f64], k: usize, span: &Span, costs: &Costs, limits: Limits) {
         for i in [costs.m, k.saturating_sub(costs.n)] {
-            if i < span.lo || i > span.hi || !ends(i, k - i, costs.m, costs.n, loose) {
+            if i < span.lo || i > span.hi || !ends(i, k - i, costs.m, costs.n, limits) {
                 continue;
             }
             if row[i] <= self.cost {
@@ -162,13 +167,13 @@ impl End {
     }
 }
 
-fn unlimited(costs: &Costs, spans: &[Span], loose: usize, steps: &mut Vec<u8>) -> End {
+fn unlimited(costs: &Costs, spans: &[Span], limits: Limits, steps: &mut Vec<u8>) -> End {
     let rows = costs.m + 2;
     let mut before: Diagonal = vec![f64::INFINITY; rows];
     let mut last: Diagonal = vec![f64::INFINITY; rows];
     let mut now: Diagonal = vec![f64::INFINITY; rows];
-    borders(&mut before, 0, &spans[0], 1, loose);
-    borders(&mut last, 1, &spans[1], 1, loose);
+    borders(&mut before, 0, &spans[0], 1, limits);
+    borders(&mut last, 1, &spans[1], 1, limits);
     let mut best = End { cell: (0, 0), cost: f64::INFINITY };
     for (k, span) in spans.iter().enumerate().skip(2) {
         if span.lo <= span.hi {
@@ -184,8 +189,8 @@ fn unlimited(costs: &Costs, spans: &[Span], loose: usize, steps: &mut Vec<u8>) -
                 &mut steps[at..],
             );
         }
-        borders(&mut now, k, span, 1, loose);
-        best.look(&now, k, span, costs, loose);
+        borders(&mut now, k, span, 1, limits);
+        best.look(&now, k, span, costs, limits);
         std::mem::swap(&mut before, &mut last);
         std::mem::swap(&mut last, &mut now);
     }
@@ -206,14 +211,14 @@ fn advance(now: &mut [f64], both: &[f64], only_a: &[f64], only_b: &[f64], steps:
     }
 }
 
-fn limited(costs: &Costs, spans: &[Span], wait: usize, loose: usize, steps: &mut Vec<u8>) -> End {
+fn limited(costs: &Costs, spans: &[Span], wait: usize, limits: Limits, steps: &mut Vec<u8>) -> End {
     let rows = costs.m + 2;
     let kept = wait + 3;
     let mut totals: Vec<Diagonal> = vec![vec![f64::INFINITY; rows]; kept];
     let mut own: Vec<Diagonal> = vec![vec![f64::INFINITY; rows]; kept];
     let empty = Span { lo: 1, hi: 0, offset: 0 };
-    borders(&mut totals[0], 0, &empty, 0, loose);
-    borders(&mut totals[1], 1, &empty, 0, loose);
+    borders(&mut totals[0], 0, &empty, 0, limits);
+    borders(&mut totals[1], 1, &empty, 0, limits);
     let mut best = End { cell: (0, 0), cost: f64::INFINITY };
     let mut now: Diagonal = vec![f64::INFINITY; rows];
     for (k, span) in spans.iter().enumerate().skip(2) {
@@ -248,12 +253,8 @@ fn limited(costs: &Costs, spans: &[Span], wait: usize, loose: usize, steps: &mut
                 steps.push(step as u8);
             }
         }
-        let start = if k <= loose { 0.0 } else { f64::INFINITY };
-        now[0] = start;
-        if k < rows {
-            now[k] = start;
-        }
-        best.look(&now, k, span, costs, loose);
+        starts(&mut now, k, limits);
+        best.look(&now, k, span, costs, limits);
         std::mem::swap(&mut totals[slot], &mut now);
     }
     best

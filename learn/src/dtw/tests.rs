@@ -103,7 +103,7 @@ fn no_path_is_cheaper() {
             for band in [None, Some(0), Some(1), Some(3)] {
                 for wait in [None, Some(0), Some(1), Some(2)] {
                     for loose in [0, 1, 2] {
-                        let limits = Limits { band, wait, loose };
+                        let limits = Limits { band, wait, loose, piece: false };
                         let all = brute(&a, &b, limits);
                         match align(Series::one(&a), Series::one(&b), limits) {
                             Ok(path) => {
@@ -211,6 +211,21 @@ fn loose_ends_find_a_piece() {
     assert_eq!(path.pairs()[0], (0, 12));
     let partners = path.partners_of_b();
     assert_eq!((partners[12], partners[20], partners[0], partners[49]), (0.0, 8.0, 0.0, 27.0));
+}
+
+/// A piece is found wherever it is, however long the whole; its own ends stay bound.
+#[test]
+fn a_piece_is_found_in_the_whole() {
+    let whole = noise(400, 2, 21);
+    let piece: Vec<f64> = whole[2 * 230..2 * 290].to_vec();
+    let (a, b) = two(&piece, &whole, 2);
+    for wait in [None, Some(1)] {
+        let limits = Limits { wait, piece: true, ..Limits::default() };
+        let path = align(a, b, limits).unwrap();
+        assert_eq!((path.cost(), path.pairs()[0], *path.pairs().last().unwrap()), (0.0, (0, 230), (59, 289)));
+        // the other way round the whole has to be matched, and is not
+        assert!(align(b, a, Limits { piece: true, ..Limits::default() }).unwrap().cost() > 1.0);
+    }
 }
 
 /// What cannot be aligned says why.

@@ -5,8 +5,10 @@
 //!
 //! Track edits change a script and come before clip edits, which change what was sampled from it.
 
+use std::collections::BTreeMap;
 use std::path::PathBuf;
 
+use edits::style::Timing;
 use edits::{
     Amount, Amplitude, ClipEdit, ExtentReach, ExtentShoulder, Parameter, PoseChange, PoseDelta, PoseRequest,
     Reference, Succession, Tension, TimeDelta, TrackEdit, Warp, Where,
@@ -36,6 +38,8 @@ pub enum StoredEdit {
         /// How much of it; 1 is what was taught.
         amount: f64,
     },
+    /// Style components of two clips.
+    Style(Box<StyleSpec>),
 }
 
 impl StoredEdit {
@@ -43,6 +47,7 @@ impl StoredEdit {
     pub fn name(&self) -> &'static str {
         match self {
             Self::ByExample { .. } => "by example",
+            Self::Style(_) => "style",
         }
     }
 
@@ -50,8 +55,28 @@ impl StoredEdit {
     pub fn file(&self) -> &PathBuf {
         match self {
             Self::ByExample { model, .. } => model,
+            Self::Style(spec) => &spec.path,
         }
     }
+}
+
+/// The edit `Style` as a scene has it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct StyleSpec {
+    /// The file of components.
+    pub path: PathBuf,
+    /// Numbers of the components, from 1; empty: those that tell the two clips apart.
+    pub only: Vec<usize>,
+    /// How much of them.
+    pub amount: Parameter,
+    /// Name of the clip whose style it is; `None`: the second.
+    pub from: Option<String>,
+    /// The bone that is aligned on; `None`: automatic.
+    pub align: Option<String>,
+    /// Whose timing.
+    pub timing: Timing,
+    /// Bones of the set and what the motion calls them.
+    pub names: BTreeMap<String, String>,
 }
 
 impl EditKind {
@@ -108,7 +133,9 @@ impl Check<'_> {
                 "the edit `{name}` changes the poses of a script; the motion of this scene is: {}",
                 source.describe()
             );
-            return Err(refused(why).with_help("edits of any motion: Warp, PoseDelta, TimeDelta, ByExample"));
+            return Err(
+                refused(why).with_help("edits of any motion: Warp, PoseDelta, TimeDelta, ByExample, Style")
+            );
         }
         match before.iter().find(|b| b.kind.is_of_clips()) {
             None => Ok(()),
@@ -130,6 +157,7 @@ impl Check<'_> {
             EditRon::Warp { on, repetition, parts, span_s, .. }
             | EditRon::ByExample { on, repetition, parts, span_s, .. }
             | EditRon::PoseDelta { on, repetition, parts, span_s, .. }
+            | EditRon::Style { on, repetition, parts, span_s, .. }
             | EditRon::TimeDelta { on, repetition, parts, span_s, .. } => (on, repetition, parts, *span_s),
         };
         let track = |edit: Box<dyn TrackEdit + Send + Sync>| EditKind::Track(edit);
@@ -182,6 +210,21 @@ impl Check<'_> {
             }
             &EditRon::TimeDelta { at_s, to_s, blend_s, .. } => {
                 EditKind::Clip(Box::new(TimeDelta { at_s, to_s, blend_s }))
+            }
+            EditRon::Style { components, amount, only, from, align, timing, names, .. } => {
+                EditKind::Stored(StoredEdit::Style(Box::new(StyleSpec {
+                    path: self.source.beside(
+                        &format!("{at}.components"),
+                        "file of style components",
+                        components,
+                    )?,
+                    only: only.clone(),
+                    amount: parameter(amount),
+                    from: from.clone(),
+                    align: align.clone(),
+                    timing: timing.0,
+                    names: names.clone(),
+                })))
             }
             EditRon::Warp { times_s, .. } => EditKind::Clip(Box::new(Warp { anchors: times_s.clone() })),
         };

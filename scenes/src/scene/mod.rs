@@ -29,7 +29,7 @@ use crate::conditions::ConditionsSpec;
 use crate::schema::SceneRon;
 use crate::{Patch, SceneError, Source, StripSpec, TuneSpec, character_file, library};
 
-pub use edits::{EditKind, SceneEdit, StoredEdit};
+pub use edits::{EditKind, SceneEdit, StoredEdit, StyleSpec};
 pub use motion::{RetargetSpec, SceneSource};
 pub use script::ScriptSpec;
 

@@ -3,6 +3,7 @@
 use std::collections::BTreeMap;
 use std::fmt;
 
+use edits::style::Timing;
 use edits::{Direction, Reference};
 use serde::Deserialize;
 use serde::de::{self, Deserializer, MapAccess, SeqAccess, Visitor};
@@ -136,6 +137,24 @@ pub enum EditRon {
         span_s: Option<(f64, f64)>,
         model: String,
         amount: Option<f64>,
+    },
+    Style {
+        #[serde(default)]
+        on: String,
+        repetition: Option<usize>,
+        #[serde(default)]
+        parts: Vec<String>,
+        span_s: Option<(f64, f64)>,
+        components: String,
+        amount: ParameterRon,
+        #[serde(default)]
+        only: Vec<usize>,
+        from: Option<String>,
+        align: Option<String>,
+        #[serde(default)]
+        timing: Named<Timing>,
+        #[serde(default)]
+        names: BTreeMap<String, String>,
     },
     PoseDelta {
         #[serde(default)]

@@ -1,0 +1,187 @@
+//! Feet that stand where they stood: planted by two-bone IK after a style has changed the legs.
+//!
+//! In: a clip before the change with its contacts. Out: the changed clip whose standing feet are where they were, and
+//! come there and leave within 0.16 s. Where a leg would be too short the root comes down, smoothly.
+
+use motion::ik::{Reach, reach_range, solve_two_bone_oriented};
+use motion::rotation::slerp;
+use motion::smooth::whittaker::{Whittaker, lambda};
+use motion::{Clip, ContactPlan, Joint, Kinematics, Limb, LimbKind, Transform, Vec3, smoothstep};
+
+use super::StyleError;
+use super::transfer::worlds;
+
+/// A foot comes to its place, and leaves it, over this time, s.
+const RAMP_S: f64 = 0.16;
+/// Feet this near to their places are there, m: nothing is solved, so that what is unchanged stays so to the bit.
+const THERE_M: f64 = 1e-9;
+/// A leg is not pulled straighter than this fraction of its length, 14° of knee flexion for equal bones: near full stretch
+/// the knee jerks. What was straighter in the base may stay so.
+const STRAIGHTEST: f64 = 0.9925;
+/// The root is lowered no faster than this frequency, Hz.
+const LOWER_HZ: f64 = 2.5;
+
+/// Where feet stood.
+pub(super) struct Feet {
+    legs: Vec<Leg>,
+}
+
+struct Leg {
+    limb: Limb,
+    /// `world_from_foot`, frame by frame.
+    place: Vec<Transform>,
+    /// 1 while it stands, 0 while it steps.
+    hold: Vec<f64>,
+}
+
+/// Height of the lowest link of a clip, m.
+pub(super) fn lowest(clip: &Clip) -> f64 {
+    let all = worlds(clip);
+    all.iter().flat_map(|k| k.world.iter().map(|w| w.translation.vector.y)).fold(f64::INFINITY, f64::min)
+}
+
+impl Feet {
+    /// The legs of a clip that the contacts name, by limb or by a point of the foot.
+    pub(super) fn of(clip: &Clip, contacts: &ContactPlan) -> Self {
+        let s = &clip.skeleton;
+        let all = worlds(clip);
+        let legs = s
+            .limbs()
+            .iter()
+            .filter(|l| l.kind == LimbKind::Leg)
+            .filter_map(|limb| {
+                let on_foot = |point: &str| {
+                    s.site(point).is_some_and(|site| {
+                        site.link == limb.end || s.ancestors(site.link).any(|link| link == limb.end)
+                    })
+                };
+                let own: Vec<_> = contacts
+                    .contacts()
+                    .iter()
+                    .filter(|c| c.point == limb.name || on_foot(&c.point))
+                    .collect();
+                if own.is_empty() {
+                    return None;
+                }
+                let hold = |f: usize| {
+                    let t = f as f64 / clip.rate_hz;
+                    own.iter()
+                        .map(|c| {
+                            let away = (c.from_s - t).max(t - c.to_s).max(0.0);
+                            smoothstep((1.0 - away / RAMP_S).clamp(0.0, 1.0))
+                        })
+                        .fold(0.0, f64::max)
+                };
+                Some(Leg {
+                    limb: limb.clone(),
+                    place: all.iter().map(|k| k.world[limb.end]).collect(),
+                    hold: (0..clip.frames()).map(hold).collect(),
+                })
+            })
+            .collect();
+        Feet { legs }
+    }
+
+    /// Holds the feet of the changed clip; says what could not be held.
+    pub(super) fn hold(&self, clip: &mut Clip) -> Result<Vec<String>, StyleError> {
+        if self.legs.is_empty() {
+            return Ok(vec!["nothing is known of contacts: feet are not held".into()]);
+        }
+        let s = clip.skeleton.clone();
+        let frames = clip.frames();
+        let goals: Vec<Vec<Option<Transform>>> = {
+            let all = worlds(clip);
+            self.legs
+                .iter()
+                .map(|leg| {
+                    (0..frames)
+                        .map(|f| {
+                            let (now, stood, w) = (all[f].world[leg.limb.end], leg.place[f], leg.hold[f]);
+                            let away = stood.translation.vector - now.translation.vector;
+                            let turned = stood.rotation.angle_to(&now.rotation);
+                            if w == 0.0 || (away.norm() < THERE_M && turned < THERE_M) {
+                                return None;
+                            }
+                            let at: Vec3 = now.translation.vector + away * w;
+                            Some(Transform::from_parts(at.into(), slerp(&now.rotation, &stood.rotation, w)))
+                        })
+                        .collect()
+                })
+                .collect()
+        };
+        let lowered = self.lower(clip, &goals)?;
+        let mut worst: (f64, &str, usize) = (0.0, "", 0);
+        for (leg, goals) in self.legs.iter().zip(&goals) {
+            for (f, goal) in goals.iter().enumerate() {
+                let Some(goal) = goal else { continue };
+                if let Reach::Clamped { residue_m } =
+                    solve_two_bone_oriented(&s, clip.pose_mut(f), &leg.limb, goal)?
+                    && residue_m > worst.0
+                {
+                    worst = (residue_m, &leg.limb.name, f);
+                }
+            }
+        }
+        let mut notes = Vec::new();
+        if lowered > 0.002 {
+            notes.push(format!("the root comes down by up to {:.0} mm, so that legs reach", 1e3 * lowered));
+        }
+        if worst.0 > 0.002 {
+            let at_s = worst.2 as f64 / clip.rate_hz;
+            notes.push(format!(
+                "{} misses its place by up to {:.0} mm at {at_s:.2} s",
+                worst.1,
+                1e3 * worst.0
+            ));
+        }
+        Ok(notes)
+    }
+
+    /// Lowers a free root where a leg would be too short; how far at most, m.
+    fn lower(&self, clip: &mut Clip, goals: &[Vec<Option<Transform>>]) -> Result<f64, StyleError> {
+        let s = clip.skeleton.clone();
+        if !matches!(s.links()[0].joint, Joint::Free) {
+            return Ok(0.0);
+        }
+        let frames = clip.frames();
+        let mut need = vec![0.0_f64; frames];
+        for (leg, goals) in self.legs.iter().zip(goals) {
+            for (f, goal) in goals.iter().enumerate() {
+                let Some(goal) = goal else { continue };
+                let reach = reach_range(&s, clip.pose(f), &leg.limb)?.1 * STRAIGHTEST;
+                let k = Kinematics::new(&s, clip.pose(f));
+                let from = k.origin(leg.limb.upper) - goal.translation.vector;
+                let across = from.x.hypot(from.z);
+                if from.norm() > reach && across < reach {
+                    need[f] = need[f].max(from.y - (reach * reach - across * across).sqrt());
+                }
+            }
+        }
+        let most = need.iter().copied().fold(0.0, f64::max);
+        if most == 0.0 {
+            return Ok(0.0);
+        }
+        // as low as needed within the time that smoothing takes, then smooth: never less than needed but by a little
+        let reach = (0.5 / LOWER_HZ * 0.5 * clip.rate_hz).round() as usize;
+        let widest: Vec<f64> = (0..frames)
+            .map(|f| {
+                need[f.saturating_sub(reach)..(f + reach + 1).min(frames)].iter().copied().fold(0.0, f64::max)
+            })
+            .collect();
+        let smooth = if frames < 4 {
+            widest
+        } else {
+            let strength = lambda(LOWER_HZ.min(0.45 * clip.rate_hz), clip.rate_hz);
+            Whittaker::new(frames, strength).smooth(&widest, 1)
+        };
+        let mut lowered: f64 = 0.0;
+        for (f, by) in smooth.iter().enumerate() {
+            let by = by.max(0.0);
+            let q = clip.pose_mut(f);
+            let p = s.position(q, 0) - Vec3::y() * by;
+            s.set_position(q, 0, &p);
+            lowered = lowered.max(by);
+        }
+        Ok(lowered)
+    }
+}

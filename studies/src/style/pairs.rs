@@ -1,0 +1,54 @@
+//! The six transfers of SCF06 on the nearest clips, each way, with the measures that name their styles. The measures were chosen
+//! before any transfer was run.
+
+use super::measures::Measure;
+
+/// A transfer: the file of the base, that of the donor, and what names the donor's style.
+#[derive(Clone, Copy, Debug)]
+pub struct Pair {
+    /// What the paper calls it.
+    pub name: &'static str,
+    /// Clip that gets the style, below the folder of clips.
+    pub base: &'static str,
+    /// Clip whose style it is.
+    pub donor: &'static str,
+    /// What must move.
+    pub measures: &'static [Measure],
+}
+
+const SNEAK: &[Measure] = &[Measure::TrunkPitch, Measure::ElbowHeight];
+const RUN: &[Measure] = &[Measure::ElbowBend, Measure::KneeLift, Measure::TrunkPitch];
+const ZOMBIE: &[Measure] = &[Measure::ArmsForward, Measure::ElbowBend];
+const HAPPY: &[Measure] = &[Measure::ArmSwing, Measure::Bounce];
+const DANCE: &[Measure] = &[Measure::HandHeight, Measure::ArmsForward];
+
+/// All transfers.
+pub const PAIRS: &[Pair] = &[
+    Pair { name: "walk, sneaking", base: "bvh/16_16.bvh", donor: "bvh/17_03.bvh", measures: SNEAK },
+    Pair { name: "sneak, walking", base: "bvh/17_03.bvh", donor: "bvh/16_16.bvh", measures: SNEAK },
+    Pair { name: "run, sneaking", base: "bvh/16_35.bvh", donor: "bvh/17_03.bvh", measures: SNEAK },
+    Pair { name: "sneak, running", base: "bvh/17_03.bvh", donor: "bvh/16_35.bvh", measures: RUN },
+    Pair { name: "walk, running", base: "bvh/16_16.bvh", donor: "bvh/16_35.bvh", measures: RUN },
+    Pair { name: "run, walking", base: "bvh/16_35.bvh", donor: "bvh/16_16.bvh", measures: RUN },
+    Pair {
+        name: "run, as a zombie",
+        base: "bvh/09_01.bvh",
+        donor: "bvh/104_41_zombie.bvh",
+        measures: ZOMBIE,
+    },
+    Pair { name: "zombie, running", base: "bvh/104_41_zombie.bvh", donor: "bvh/09_01.bvh", measures: RUN },
+    Pair {
+        name: "walk, happy",
+        base: "bvh/16_16.bvh",
+        donor: "cgspeed/104_HappyStartWalk_2.bvh",
+        measures: HAPPY,
+    },
+    Pair {
+        name: "happy walk, neutral",
+        base: "cgspeed/104_HappyStartWalk_2.bvh",
+        donor: "bvh/16_16.bvh",
+        measures: HAPPY,
+    },
+    Pair { name: "walk, dancing", base: "bvh/16_16.bvh", donor: "bvh/93_charleston1.bvh", measures: DANCE },
+    Pair { name: "dance, walking", base: "bvh/93_charleston1.bvh", donor: "bvh/16_16.bvh", measures: DANCE },
+];
