@@ -98,7 +98,7 @@ fn apply(args: &ApplyArgs) -> Result<(), Failure> {
     check(&args.output, args.force, &reads)?;
     let (edit, clip) = (Arc::new(project::model(&args.model)?), project::open(&args.clip)?);
     let at = Where { parts: args.place.parts.clone(), span_s: args.place.span, ..Where::default() };
-    let done = project::apply(&edit, &clip, args.place.amount, &at)?;
+    let done = project::apply(&edit, &clip, args.place.amount, args.place.contacts, &at)?;
     put(&args.output, &done.edited.clip, &args.clip, args.force, &reads)?;
     let report = report::applied(&clip, &done);
     if args.json {
@@ -111,7 +111,7 @@ fn export(args: &ExportArgs) -> Result<(), Failure> {
     let reads = reads(&args.model, &args.clip);
     check(&args.output, args.force, &reads)?;
     let (edit, clip) = (Arc::new(project::model(&args.model)?), project::open(&args.clip)?);
-    let done = project::apply(&edit, &clip, 1.0, &Where::default())?;
+    let done = project::apply(&edit, &clip, 1.0, None, &Where::default())?;
     put(&args.output, &done.untimed, &args.clip, args.force, &reads)?;
     let (model, input, out) = (args.model.display(), args.clip.display(), args.output.display());
     output::print(&format!(
@@ -126,7 +126,7 @@ fn correct(args: &CorrectArgs) -> Result<(), Failure> {
     let project = Project::open(&args.project)?;
     let mut edit = project::model(&args.project)?;
     let (clip, edited) = (project::open(&args.clip)?, project::open(&args.from)?);
-    let done = project::apply(&Arc::new(edit.clone()), &clip, 1.0, &Where::default())?;
+    let done = project::apply(&Arc::new(edit.clone()), &clip, 1.0, None, &Where::default())?;
     let changes = project::changes(&done.untimed, &edited)?;
     let (target, spans_s) = project::blended(&done.untimed, &edited, &changes, args.blend);
     let times_s = report::times(&clip, &done);

@@ -3,9 +3,10 @@
 use std::path::PathBuf;
 
 use clap::{Args, Subcommand};
-use studies::propagate::ExampleMethod;
+use studies::propagate::{Contacts, ExampleMethod};
 
 use crate::common_args::number;
+use crate::words::word;
 
 /// Arguments of `propagate`.
 #[derive(Debug, Args)]
@@ -96,6 +97,9 @@ pub struct PlaceArgs {
     /// How much of the edit: 0 is nothing, 1 what was taught
     #[arg(long, default_value = "1", value_parser = amount, allow_negative_numbers = true)]
     pub amount: f64,
+    /// Whether feet that stand keep standing [default: as it was taught]
+    #[arg(long, value_parser = word::<Contacts>())]
+    pub contacts: Option<Contacts>,
     /// Only these joints or body parts
     #[arg(long, value_name = "PART,…", value_delimiter = ',')]
     pub parts: Vec<String>,

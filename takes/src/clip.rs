@@ -27,6 +27,7 @@ use scenes::{ConditionsSpec, TuneSpec, character_file};
 use crate::clip_edits::{self, Clips};
 use crate::conditions::begin_in_time;
 use crate::error::MOST_STEPS;
+use crate::footing;
 use crate::limited::within_limits;
 use crate::standing::stance;
 use crate::take::{Asked, Body, ClipSource, Source, Take};
@@ -182,9 +183,10 @@ pub(crate) fn take(
     let mut times = TimeMap::identity();
     let mut clip = unedited.clone();
     if let Some(scene) = scene.filter(|_| !ask.no_edits) {
-        let before = stance(character, &unedited);
-        let contacts = contacts(character, &before, unedited.rate_hz);
-        let motion = Motion { contacts, floor_m: Some(before.ground_m), ..Motion::of(given) };
+        // every step, also those that no standing span has
+        let (contacts, _) = footing::of(character, &unedited);
+        let floor_m = Some(stance(character, &unedited).ground_m);
+        let motion = Motion { contacts, floor_m, ..Motion::of(given) };
         let Clips { motion, changed } = clip_edits::apply(scene, motion, &mut log)?;
         if changed {
             times = motion.times;

@@ -46,11 +46,13 @@ pub(crate) fn apply(scene: &Scene, mut motion: Motion, log: &mut EditLog) -> Res
 /// Files that hold none: at the edit.
 fn open(stored: &StoredEdit, scene: &Scene, at: &str) -> Result<Box<dyn ClipEdit>, SceneError> {
     match stored {
-        StoredEdit::ByExample { model, amount } => {
+        StoredEdit::ByExample { model, amount, contacts } => {
             let edit = formats::example_file::open(model).map_err(|x| {
                 scene.source.error(&format!("{at}.model"), format!("{}: {x}", model.display()))
             })?;
-            Ok(Box::new(ByExample { amount: *amount, ..ByExample::new(Arc::new(edit)) }))
+            let whole = ByExample::new(Arc::new(edit));
+            let contacts = contacts.unwrap_or(whole.contacts);
+            Ok(Box::new(ByExample { amount: *amount, contacts, ..whole }))
         }
         StoredEdit::Style(spec) => {
             let style = crate::styles::of_spec(spec).map_err(|x| scene.source.error(at, x.to_string()))?;

@@ -34,6 +34,7 @@ mod clip_edits;
 pub mod conditions;
 pub mod error;
 pub mod export;
+pub mod footing;
 pub mod ignored;
 pub mod inspect;
 pub mod limited;

@@ -8,6 +8,7 @@
 use std::collections::BTreeMap;
 use std::path::PathBuf;
 
+use edits::by_example::Contacts;
 use edits::style::Timing;
 use edits::{
     Amount, Amplitude, ClipEdit, ExtentReach, ExtentShoulder, Parameter, PoseChange, PoseDelta, PoseRequest,
@@ -37,6 +38,8 @@ pub enum StoredEdit {
         model: PathBuf,
         /// How much of it; 1 is what was taught.
         amount: f64,
+        /// Whether what stands keeps standing; `None`: as it was taught.
+        contacts: Option<Contacts>,
     },
     /// Style components of two clips.
     Style(Box<StyleSpec>),
@@ -185,11 +188,12 @@ impl Check<'_> {
             EditRon::Tension { .. } => {
                 return Err(self.source.error(at, "a Tension takes either `factor` or `absolute`"));
             }
-            EditRon::ByExample { model, amount, .. } => {
+            EditRon::ByExample { model, amount, contacts, .. } => {
                 let at_model = format!("{at}.model");
                 EditKind::Stored(StoredEdit::ByExample {
                     model: self.source.beside(&at_model, "learned edit", model)?,
                     amount: self.within(&format!("{at}.amount"), amount.unwrap_or(1.0), 0.0, 1.5, "")?,
+                    contacts: contacts.as_ref().map(|c| c.0),
                 })
             }
             EditRon::PoseDelta { at_s, drag, pin, weight, group, limits, blend_s, block_s, .. } => {

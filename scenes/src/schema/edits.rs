@@ -3,6 +3,7 @@
 use std::collections::BTreeMap;
 use std::fmt;
 
+use edits::by_example::Contacts;
 use edits::style::Timing;
 use edits::{Direction, Reference};
 use serde::Deserialize;
@@ -137,6 +138,7 @@ pub enum EditRon {
         span_s: Option<(f64, f64)>,
         model: String,
         amount: Option<f64>,
+        contacts: Option<Named<Contacts>>,
     },
     Style {
         #[serde(default)]

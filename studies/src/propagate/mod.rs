@@ -19,7 +19,7 @@ use edits::by_example::ExampleError;
 use thiserror::Error;
 
 pub use edits::Where;
-pub use edits::by_example::{ExampleEdit, ExampleOptions as EditOptions, Pair};
+pub use edits::by_example::{Contacts, ExampleEdit, ExampleOptions as EditOptions, Pair};
 pub use learn::ExampleMethod;
 
 /// Why a study of edits by example cannot go on.
@@ -91,6 +91,12 @@ pub enum PropagateError {
     /// A correction that corrects nothing.
     #[error("no frame of the edited clip differs from the result by more than 0.1°")]
     NothingChanged,
+    /// A clip whose feet cannot be kept where they stand.
+    #[error("contacts cannot be kept: {what}")]
+    Feet {
+        /// Why.
+        what: String,
+    },
     /// Files that were not written.
     #[error(transparent)]
     Folder(#[from] takes::results::folder::FolderError),

@@ -17,10 +17,10 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use edits::by_example::edit::Applied;
-use edits::by_example::{ByExample, ExampleEdit, ExampleOptions, Pair};
+use edits::by_example::{ByExample, Contacts, ExampleEdit, ExampleOptions, Pair};
 use edits::{Motion, Where};
 use formats::bvh::{ImportOptions, WriteOptions};
-use motion::{Clip, Dof, Value};
+use motion::{Clip, Dof, Limb, Value};
 use serde::{Deserialize, Serialize};
 use takes::results::folder::{Overwrite, write_file};
 
@@ -262,19 +262,44 @@ pub fn model(path: &Path) -> Result<ExampleEdit, PropagateError> {
     formats::example_file::open(&file).map_err(|source| PropagateError::Model { path: file, source })
 }
 
-/// The edit applied to a clip.
+/// The edit applied to a clip; contacts as asked, or as it was taught.
 ///
 /// # Errors
-/// A clip of another rig, a place that it does not have.
+/// A clip of another rig, a place that it does not have; contacts to be kept of a clip in which nobody with feet moves.
 pub fn apply(
     edit: &Arc<ExampleEdit>,
     clip: &Clip,
     amount: f64,
+    contacts: Option<Contacts>,
     at: &Where,
 ) -> Result<Applied, PropagateError> {
-    let motion = Motion::of(clip.clone());
+    let whole = ByExample::new(edit.clone());
+    let contacts = contacts.unwrap_or(whole.contacts);
+    let motion = match contacts {
+        Contacts::Free => Motion::of(clip.clone()),
+        Contacts::Keep => footed(clip)?,
+    };
     let place = at.in_clip(&motion).map_err(PropagateError::Edit)?;
-    Ok(ByExample { amount, ..ByExample::new(edit.clone()) }.run(&motion, &place)?)
+    Ok(ByExample { amount, contacts, ..whole }.run(&motion, &place)?)
+}
+
+/// A clip with the steps of its feet: of the body that is guessed for it, whose legs it gets.
+fn footed(clip: &Clip) -> Result<Motion, PropagateError> {
+    let feet = |what: String| PropagateError::Feet { what };
+    let guessed = bodies::guess_body_of_clip(clip, &bodies::BodyOptions::default());
+    let (character, _) = guessed.map_err(|e| feet(e.to_string()))?;
+    let map = bodies::PoseMap::of_clip(clip, &character.skeleton).map_err(|e| feet(e.to_string()))?;
+    let on_body = map.clip_to_character(clip, &character.skeleton);
+    let (contacts, floor_m) = takes::footing::of(&character, &on_body);
+    let theirs = |link: usize| clip.skeleton.link(&character.skeleton.links()[link].name);
+    let limbs = character.skeleton.limbs().iter().filter_map(|l| {
+        let (upper, lower, end) = (theirs(l.upper)?, theirs(l.lower)?, theirs(l.end)?);
+        Some(Limb { name: l.name.clone(), kind: l.kind, upper, lower, end })
+    });
+    let skeleton = clip.skeleton.as_ref().clone().with_limbs(limbs.collect());
+    let skeleton = skeleton.map_err(|e| feet(e.to_string()))?;
+    let clip = Clip::new(Arc::new(skeleton), clip.rate_hz, clip.data().to_vec());
+    Ok(Motion { contacts, floor_m, ..Motion::of(clip) })
 }
 
 /// Frames in which `edited` differs from `result`, in runs.

@@ -124,6 +124,8 @@ pub struct AppliedReport {
     pub limited_frames: usize,
     /// Joints that cannot do all that was taught.
     pub lost: Vec<String>,
+    /// Where contacts are kept: how many, and the farthest that one misses its place, mm.
+    pub contacts: Option<(usize, f64)>,
 }
 
 /// What an edit did to `clip`.
@@ -150,6 +152,9 @@ pub fn applied(clip: &Clip, done: &Applied) -> AppliedReport {
         unlike_percent: 100.0 * unlike as f64 / done.answer.kept.len() as f64,
         limited_frames: done.limited,
         lost: done.lost.clone(),
+        contacts: done.kept.as_ref().map(|(kept, misses)| {
+            (kept.plan.contacts().len(), misses.iter().map(|m| 1e3 * m.most_m).fold(0.0, f64::max))
+        }),
     }
 }
 
@@ -179,6 +184,9 @@ impl fmt::Display for AppliedReport {
         }
         if self.limited_frames > 0 {
             writeln!(f, "joint limits hold the edit back in {} frames", self.limited_frames)?;
+        }
+        if let Some((count, mm)) = self.contacts {
+            writeln!(f, "{count} contacts kept, missed by at most {mm:.1} mm")?;
         }
         if !self.lost.is_empty() {
             writeln!(f, "joints that cannot do all that was taught: {}", self.lost.join(", "))?;

@@ -8,7 +8,6 @@
 //! take + StyleSet + Transfer ─→ styled ─→ Take
 //! ```
 
-mod contacts;
 pub mod figures;
 pub mod results;
 
@@ -25,6 +24,7 @@ use learn::ica::{Count, IcaOptions};
 use scenes::scene::StyleSpec;
 
 use crate::Take;
+use crate::footing;
 use crate::limited::within_limits;
 use crate::standing::stance;
 
@@ -65,7 +65,7 @@ fn floor_m(take: &Take) -> Option<f64> {
 
 /// The motion of a take as edits see it, with every contact of its feet.
 fn motion(take: &Take) -> Motion {
-    let (contacts, lowest_m) = contacts::of(take);
+    let (contacts, lowest_m) = footing::of(&take.body.character, &take.asked.clip);
     Motion { contacts, floor_m: floor_m(take).or(lowest_m), ..Motion::of(take.asked.clip.clone()) }
 }
 

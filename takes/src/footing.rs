@@ -1,11 +1,10 @@
-//! When each foot of a motion is on the ground: what a change of style has to leave where it is.
+//! When each foot of a motion is on the ground: what a clip edit has to leave where it is.
 //!
-//! In: a take. Out: for each leg the times in which a corner of its sole is low and slow, however short. (What
+//! In: a body and its clip. Out: for each leg the times in which a corner of its sole is low and slow, however short. (What
 //! `motion::stance` calls standing lasts longer: both feet, a second and a half.)
 
-use motion::{Contact, ContactPlan, Kinematics, Vec3};
-
-use crate::Take;
+use bodies::Character;
+use motion::{Clip, Contact, ContactPlan, Kinematics, Vec3};
 
 /// A corner is down below this height over the lowest that soles usually are, m, ...
 const LOW_M: f64 = 0.035;
@@ -16,10 +15,13 @@ const OVER_S: f64 = 0.05;
 /// Shorter contacts and shorter gaps are none, s.
 const LEAST_S: f64 = 0.05;
 
-/// Contacts of the legs of a take, and the height of its ground, m.
-pub(crate) fn of(take: &Take) -> (ContactPlan, Option<f64>) {
-    let clip = &take.asked.clip;
-    let soles = take.body.character.leg_soles();
+/// Contacts of the legs, named by their limbs, and the height of the ground, m; `None` for a body without soles.
+///
+/// # Panics
+/// If the clip is not of the body's skeleton.
+pub fn of(character: &Character, clip: &Clip) -> (ContactPlan, Option<f64>) {
+    assert_eq!(clip.skeleton.nq(), character.skeleton.nq(), "clip of another skeleton");
+    let soles = character.leg_soles();
     let all: Vec<Kinematics> =
         (0..clip.frames()).map(|f| Kinematics::new(&clip.skeleton, clip.pose(f))).collect();
     // corner by corner, frame by frame
