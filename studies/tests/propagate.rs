@@ -247,10 +247,10 @@ fn arms_rise_only_while_walking() {
             let error = (apart_deg(&truth.source, &done, f, arm) - up).abs();
             if up > 59.99 {
                 walks += 1;
-                assert!(error < 6.0, "{name} at {f}: {error}° while walking"); // 4.2° seen
+                assert!(error < 6.0, "{name} at {f}: {error}° while walking");
             } else if f > 250 {
                 stands += 1;
-                assert!(error < 5.0, "{name} at {f}: {error}° while standing"); // 3° seen
+                assert!(error < 5.0, "{name} at {f}: {error}° while standing");
             }
         }
         assert!(walks > 100 && stands > 50, "{walks} frames of walking, {stands} of standing");
