@@ -38,7 +38,7 @@ pub fn learning_curves(
         .zip(COLORS)
         .map(
             |((name, dashed), color)| {
-                if *dashed { Key::dashed(*name, color) } else { Key::line(*name, color) }
+                if *dashed { Key::dashed(name, color) } else { Key::line(name, color) }
             },
         )
         .collect();

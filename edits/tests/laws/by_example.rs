@@ -40,7 +40,7 @@ fn walk(rate_hz: f64, seconds: f64, seed: f64) -> Clip {
         s.set_rotation(&mut pose, 0, &exp(&Vec3::new(0.05 * (4.0 * t).sin(), turn, 0.0)));
         for (link, sign) in [(2, 1.0), (4, -1.0)] {
             let swing = (4.0 * t + 0.3 * seed).sin();
-            s.set_rotation(&mut pose, link, &exp(&Vec3::new(0.1, 0.5 * swing, -1.0 * sign)));
+            s.set_rotation(&mut pose, link, &exp(&Vec3::new(0.1, 0.5 * swing, -sign)));
             s.set_rotation(
                 &mut pose,
                 link + 1,
