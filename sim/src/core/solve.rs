@@ -1,0 +1,222 @@
+//! Contact impulses: projected Gauss–Seidel sweeps and a Newton finish, to a residual that is measured.
+//!
+//! In: contacts, G and the twists without them ([`Response`]), the friction coefficient. Out: the impulses λ (N·s; normal and two
+//! tangents) with `0 ≤ λ_n ⊥ u_n ≥ 0` and friction that opposes slip on the disc `|λ_t| ≤ μ λ_n`.
+//!
+//! What is solved is measured by the natural map of the cone problem (De Saxcé, Feng 1998): with ũ = u + μ |u_t| n and the projection
+//! Π on the friction cone, `r = ‖λ − Π(λ − ρ ũ)‖` over all contacts, ρ the apparent mass of each point. It is zero at solutions and
+//! nowhere else.
+//!
+//! Sweeps and Newton steps work on the twists and wrenches of the touching bodies, six numbers each, however many points a body touches
+//! with: a sweep over a standing human costs 0.3 µs.
+
+use super::contact::{Contact, dot6};
+use super::newton::{Newton, Part};
+use super::response::{Response, Twist};
+
+/// Rounds of sweeps, each with a Newton finish.
+const ROUNDS: usize = 24;
+/// Newton steps of a round.
+const STEPS: usize = 10;
+
+/// Parts of a Newton step that are tried, in this order, until one helps.
+const PARTS: [Part; 5] =
+    [Part::Whole, Part::ToFirstOpening, Part::Fraction(0.3), Part::Fraction(0.1), Part::Fraction(0.02)];
+
+/// What a solution cost and how good it is.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Effort {
+    pub sweeps: usize,
+    pub steps: usize,
+    /// Residual, N·s.
+    pub residual: f64,
+}
+
+/// Impulses under way. See the module header.
+#[derive(Clone, Debug)]
+pub(super) struct Solver {
+    /// λ, one per contact: normal, two tangents.
+    pub impulses: Vec<[f64; 3]>,
+    /// Wrench of the impulses on each touching body.
+    pub wrenches: Vec<Twist>,
+    /// Twists with the impulses.
+    pub twists: Vec<Twist>,
+    best: Vec<[f64; 3]>,
+    base: Vec<[f64; 3]>,
+    newton: Newton,
+}
+
+impl Solver {
+    pub fn new(points: usize, bodies: usize) -> Self {
+        Self {
+            impulses: Vec::with_capacity(points),
+            wrenches: Vec::with_capacity(bodies),
+            twists: Vec::with_capacity(bodies),
+            best: Vec::with_capacity(points),
+            base: Vec::with_capacity(points),
+            newton: Newton::new(points, bodies),
+        }
+    }
+
+    /// Solves from the impulses as they are to a residual of `tolerance` (N·s) if it can.
+    pub fn solve(
+        &mut self,
+        contacts: &[Contact],
+        response: &Response,
+        friction: f64,
+        tolerance: f64,
+    ) -> Effort {
+        let bodies = response.bodies();
+        self.wrenches.resize(bodies, [0.0; 6]);
+        self.twists.resize(bodies, [0.0; 6]);
+        self.update(contacts, response);
+        let mut effort = Effort { residual: self.residual(contacts, friction), ..Effort::default() };
+        // near a solution Newton's step lands on it; far away sweeps find out who touches, sticks and slides
+        let mut sweeps = if effort.residual < 1e4 * tolerance { 0 } else { 3 };
+        for _ in 0..ROUNDS {
+            if effort.residual <= tolerance {
+                break;
+            }
+            for _ in 0..sweeps {
+                self.sweep(contacts, response, friction);
+            }
+            effort.sweeps += sweeps;
+            if sweeps > 0 {
+                self.update(contacts, response);
+                effort.residual = self.residual(contacts, friction);
+            }
+            self.finish(contacts, response, friction, tolerance, &mut effort);
+            sweeps = (2 * sweeps).clamp(4, 32);
+        }
+        effort
+    }
+
+    /// Newton steps from the impulses as they are; keeps the best seen. Where a whole step does not help, it is taken as far as the
+    /// first pressed point opens: redundant points that cannot all touch leave one by one. Such steps may raise the residual on the way.
+    fn finish(
+        &mut self,
+        contacts: &[Contact],
+        response: &Response,
+        friction: f64,
+        tolerance: f64,
+        effort: &mut Effort,
+    ) {
+        self.best.clone_from(&self.impulses);
+        let mut at_best = true;
+        for _ in 0..STEPS {
+            if effort.residual <= tolerance {
+                break;
+            }
+            if !self.newton.step((contacts, response, friction), &self.twists, &self.impulses) {
+                break;
+            }
+            effort.steps += 1;
+            self.base.clone_from(&self.impulses);
+            at_best = false;
+            for part in PARTS {
+                self.impulses.clone_from(&self.base);
+                if !self.newton.apply(part, friction, &mut self.impulses) {
+                    continue;
+                }
+                self.update(contacts, response);
+                let residual = self.residual(contacts, friction);
+                if residual < effort.residual {
+                    at_best = true;
+                    self.best.clone_from(&self.impulses);
+                    effort.residual = residual;
+                    break;
+                }
+            }
+            if !at_best {
+                break;
+            }
+        }
+        if !at_best {
+            self.impulses.clone_from(&self.best);
+            self.update(contacts, response);
+        }
+    }
+
+    /// Wrenches and twists of the impulses, anew.
+    fn update(&mut self, contacts: &[Contact], response: &Response) {
+        self.wrenches.fill([0.0; 6]);
+        for (c, impulse) in contacts.iter().zip(&self.impulses) {
+            c.push(impulse, &mut self.wrenches[c.slot]);
+        }
+        response.twists(&self.wrenches, &mut self.twists);
+    }
+
+    /// One Gauss–Seidel sweep: every contact solves its own law, the others held; the normal first, then friction.
+    fn sweep(&mut self, contacts: &[Contact], response: &Response, friction: f64) {
+        let n = response.bodies();
+        for (c, impulse) in contacts.iter().zip(&mut self.impulses) {
+            let old = *impulse;
+            let u = c.velocity(&self.twists[c.slot]);
+            let normal = (old[0] - c.mass_n * (u[0] + c.yielding * old[0])).max(0.0);
+            let change = normal - old[0];
+            let own = &response.g[c.slot * n + c.slot];
+            let (mut u1, mut u2) = (u[1], u[2]);
+            if change != 0.0 {
+                for (row, column) in c.rows[0].iter().zip(own) {
+                    u1 += change * row * dot6(&c.rows[1], column);
+                    u2 += change * row * dot6(&c.rows[2], column);
+                }
+            }
+            let [m11, m12, m22] = c.mass_t;
+            let (t1, t2) =
+                disc(old[1] - (m11 * u1 + m12 * u2), old[2] - (m12 * u1 + m22 * u2), friction * normal);
+            *impulse = [normal, t1, t2];
+            let by = [change, t1 - old[1], t2 - old[2]];
+            if by == [0.0; 3] {
+                continue;
+            }
+            let mut wrench = [0.0; 6];
+            c.push(&by, &mut wrench);
+            for (a, twist) in self.twists.iter_mut().enumerate() {
+                for (column, w) in response.g[a * n + c.slot].iter().zip(&wrench) {
+                    for (t, g) in twist.iter_mut().zip(column) {
+                        *t += g * w;
+                    }
+                }
+            }
+        }
+    }
+
+    /// The natural map's residual, N·s. Needs wrenches and twists of the impulses.
+    pub fn residual(&self, contacts: &[Contact], friction: f64) -> f64 {
+        let mut sum = 0.0;
+        for (c, l) in contacts.iter().zip(&self.impulses) {
+            let u = c.velocity(&self.twists[c.slot]);
+            let slip = u[1].hypot(u[2]);
+            let u_n = u[0] + c.yielding * l[0] + friction * slip;
+            let onto = cone([l[0] - c.mass * u_n, l[1] - c.mass * u[1], l[2] - c.mass * u[2]], friction);
+            sum += (0..3).map(|k| (l[k] - onto[k]).powi(2)).sum::<f64>();
+        }
+        sum.sqrt()
+    }
+}
+
+/// Projection on a disc.
+#[inline(always)]
+pub(super) fn disc(x: f64, y: f64, radius: f64) -> (f64, f64) {
+    let length = x * x + y * y;
+    if length <= radius * radius {
+        return (x, y);
+    }
+    let scale = radius / length.sqrt();
+    (x * scale, y * scale)
+}
+
+/// Projection on the friction cone `|x_t| ≤ μ x_n`.
+fn cone(x: [f64; 3], friction: f64) -> [f64; 3] {
+    let t = x[1].hypot(x[2]);
+    if t <= friction * x[0] {
+        return x;
+    }
+    if friction * t <= -x[0] {
+        return [0.0; 3];
+    }
+    let n = (x[0] + friction * t) / (1.0 + friction * friction);
+    let scale = friction * n / t;
+    [n, x[1] * scale, x[2] * scale]
+}
