@@ -55,7 +55,7 @@ fn end(o: &Outcome) -> String {
     match (o.fell_s, &o.diverged) {
         (_, Some(_)) => "diverged".into(),
         (Some(t), None) => format!("falls {t:.2} s"),
-        (None, None) => o.verdict.title().to_string(),
+        (None, None) => o.verdict.grade().name().to_string(),
     }
 }
 
@@ -106,7 +106,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
                     let corrected =
                         100.0 * l.correction_rms_n(rate_hz) / (core.trace.character.mass() * 9.81);
                     println!(
-                        "{name}, {rate_hz} × {substeps}, {tension} | {} | {} | {:.2}, {:.1} ({when:.2}) | {:.4}, {:.4} | {corrected:.4}, {} of {} ({} loose), {:.1e}, {:.1e} | {fast:.0}, {slow:.1}",
+                        "{name}, {rate_hz} × {substeps}, {tension} | {} | {} | {:.2}, {:.1} ({when:.2}) | {:.4}, {:.4} | {corrected:.4}, {} of {} ({} loose; {:.1} sweeps, {:.1} steps, {} resolved, {} halved of {} substeps), {:.1e}, {:.1e} | {fast:.0}, {slow:.1}",
                         end(&core),
                         end(&rapier),
                         1e3 * rms,
@@ -116,6 +116,11 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
                         l.above_tight,
                         l.touching,
                         l.above_loose,
+                        l.sweeps as f64 / l.touching.max(1) as f64,
+                        l.newton_steps as f64 / l.touching.max(1) as f64,
+                        l.resolved,
+                        l.halved,
+                        l.substeps,
                         l.worst_residual,
                         l.worst_slip,
                     );
