@@ -14,7 +14,7 @@ use super::tree::Tree;
 #[derive(Clone, Debug)]
 pub(super) struct Factor {
     /// Rows of L, packed; diagonals are replaced by their inverses in `inverse`.
-    pub rows: Vec<f64>,
+    rows: Vec<f64>,
     /// 1/Lₖₖ.
     inverse: Vec<f64>,
 }
@@ -22,6 +22,12 @@ pub(super) struct Factor {
 impl Factor {
     pub fn new(tree: &Tree, n: usize) -> Self {
         Self { rows: vec![0.0; tree.entries()], inverse: vec![0.0; n] }
+    }
+
+    #[cfg(test)]
+    pub fn spoil(&mut self) {
+        self.rows.fill(f64::NAN);
+        self.inverse.fill(f64::NAN);
     }
 
     /// Takes `m + diag(added)`.

@@ -130,3 +130,75 @@ impl Core {
         self.settings.ground.map_or(Vec3::y(), |g| g.up)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use bodies::anthropometry::human::human;
+    use controllers::{Drive, Rest};
+    use motion::{Floor, Vec3};
+
+    use super::*;
+    use crate::{Engine, EngineSettings};
+
+    impl Core {
+        /// Fills everything that a step overwrites with numbers that spoil what reads them.
+        fn spoil(&mut self) {
+            let bad = f64::NAN;
+            self.mass.fill(bad);
+            self.factor.spoil();
+            for scratch in
+                [&mut self.force, &mut self.change, &mut self.free, &mut self.before, &mut self.before_v]
+            {
+                scratch.fill(bad);
+            }
+            for b in &mut self.state.bodies {
+                b.com = Vec3::repeat(bad);
+                b.omega = Vec3::repeat(bad);
+                b.velocity = Vec3::repeat(bad);
+                b.inertia.fill(bad);
+                b.rotation.fill(bad);
+                b.zero.fill(bad);
+                b.world.translation.vector = Vec3::repeat(bad);
+            }
+            for c in &mut self.contacts {
+                c.rows = [[bad; 6]; 3];
+                c.depth = bad;
+            }
+            self.solver.spoil();
+        }
+    }
+
+    /// What a step reads beside the snapshot is nothing: from memory full of NaN a limp body falls to the same bytes.
+    #[test]
+    fn nothing_but_the_snapshot_matters() {
+        let c = human().0;
+        let settings = EngineSettings {
+            rate_hz: 240.0,
+            substeps: 2,
+            gravity: Vec3::new(0.0, -9.81, 0.0),
+            ground: Some(Floor::level(0.0, 0.8)),
+            pinned: false,
+            contact: Default::default(),
+        };
+        let mut core = Core::new(&c, settings, &c.rest, &vec![0.0; c.skeleton.nv()]).unwrap();
+        let limp = vec![Drive { stiffness: 20.0, damping: 2.0, rest: Rest::None }; core.model.bodies.len()];
+        for start in [0, 60, 200] {
+            for _ in 0..start {
+                core.set_drives(&limp);
+                core.step().unwrap();
+            }
+            let saved = core.snapshot();
+            let run = |core: &mut Core| {
+                for _ in 0..20 {
+                    core.set_drives(&limp);
+                    core.step().unwrap();
+                }
+                core.q().iter().chain(core.v()).map(|x| x.to_bits()).collect::<Vec<_>>()
+            };
+            let first = run(&mut core);
+            core.spoil();
+            core.restore(&saved);
+            assert!(run(&mut core) == first, "after {start} steps");
+        }
+    }
+}

@@ -58,6 +58,15 @@ impl Solver {
         }
     }
 
+    #[cfg(test)]
+    pub fn spoil(&mut self) {
+        for scratch in [&mut self.impulses, &mut self.best, &mut self.base] {
+            scratch.fill([f64::NAN; 3]);
+        }
+        self.wrenches.fill([f64::NAN; 6]);
+        self.twists.fill([f64::NAN; 6]);
+    }
+
     /// Solves from the impulses as they are to a residual of `tolerance` (N·s) if it can.
     pub fn solve(
         &mut self,
