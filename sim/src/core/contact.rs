@@ -57,6 +57,8 @@ pub(super) struct Contact {
     pub mass_n: f64,
     /// Inverse of the tangential block of W: 11, 12, 22, kg.
     pub mass_t: [f64; 3],
+    /// Least eigenvalue of that inverse, kg.
+    pub slow: f64,
     /// Apparent mass over all directions, 3/trace W, kg.
     pub mass: f64,
     /// Depth, m.
@@ -168,6 +170,7 @@ impl Contact {
         let (a, d) = (a + least, d + least);
         let det = a * d - b * b;
         self.mass_t = [d / det, -b / det, a / det];
+        self.slow = 2.0 / (a + d + ((a - d) * (a - d) + 4.0 * b * b).sqrt());
         self.mass = 3.0 / (nn + a + d);
     }
 

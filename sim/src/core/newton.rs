@@ -1,39 +1,47 @@
 //! Newton: the finish of a contact solution, in the twists of the touching bodies.
 //!
-//! In: contacts, impulses λ and twists near a solution. Out: better impulses. Every point is open, sticks or slides by the signs of
-//! Alart and Curnier's equations `λ_n = max(0, λ_n − ρ u_n)`, `λ_t = Π_disc(λ_t − ρ u_t)` (Comput. Methods Appl. Mech. Eng. 92, 1991),
-//! whose slope there gives `δλ = g − A W δu` with 3 × 3 matrices A. With the change of the twists `δu = G Σ Wᵀ δλ` this is
-//! one linear system of six unknowns per touching body, `(1 + G Σ Wᵀ A W) δu = G Σ Wᵀ g`.
+//! In: contacts, impulses λ₀ near a solution. Out: better impulses. A step of the proximal point method: with ρ = σ times the apparent mass
+//! of each point, find twists u with `u = u_free + G Σ Wᵀ λ(u)` and `λ(u) = Π(λ₀ − ρ W u)`, Π the projection on `λ_n ≥ 0` and on the
+//! disc `|λ_t| ≤ μ λ_n`: Alart and Curnier's equations (Comput. Methods Appl. Mech. Eng. 92, 1991), which hold with λ₀ where λ₀ solves the
+//! contacts. Their error falls by some 1/σ per step, and what redundant points share, which no equation fixes, stays near λ₀.
 //!
-//! Where points stick (and where any is pressed, along its normal) the equation is `u = 0`, which redundant points cannot tell apart.
-//! It is taken as `δλ = −σ (u + δu)` with σ [`STIFF`] times the apparent mass: the step of a proximal point method, which leaves
-//! alone what redundant points share.
+//! The twists are found by Newton's method on a piecewise smooth equation, with six unknowns per loaded body however many points it touches
+//! with: `(1 + G Σ Wᵀ A W) δu = u_free + G Σ Wᵀ λ(u) − u`, A = −∂λ/∂(W u), 3 × 3 for each point.
 
-use super::contact::{Contact, apply};
+use super::contact::{Contact, apply, dot6};
 use super::response::{Response, Twist};
 use super::solve::disc;
 
-/// σ over the apparent mass.
-const STIFF: f64 = 1e7;
 /// More loaded bodies than this are left to the sweeps: the system is dense.
 const BODIES: usize = 20;
+/// Newton steps of a proximal step.
+const STEPS: usize = 6;
+/// Parts of a Newton step that are tried, in this order, until one helps.
+const PARTS: [f64; 4] = [1.0, 0.3, 0.1, 0.02];
+/// Error of the impulses at which a proximal step ends, over the tolerance of the solution.
+const CONVERGED: f64 = 0.1;
 
 /// The memory of a step.
 #[derive(Clone, Debug)]
 pub(super) struct Newton {
     /// Bodies with a point that is not open: only their twists matter.
     loaded: Vec<usize>,
-    /// `6 n × 6 n`, by rows.
+    /// `6 n × 6 n` over loaded bodies, by rows.
     matrix: Vec<f64>,
     right: Vec<f64>,
+    /// δu.
+    change: Vec<Twist>,
     /// `Σ Wᵀ A W` of each body, by rows.
     stiffness: Vec<[Twist; 6]>,
-    /// `Σ Wᵀ g`.
-    push: Vec<Twist>,
-    /// A and g of each contact.
-    laws: Vec<([[f64; 3]; 3], [f64; 3])>,
-    /// δλ.
-    changes: Vec<[f64; 3]>,
+    /// Σ Wᵀ λ(u) of each body.
+    wrenches: Vec<Twist>,
+    /// `u_free + G Σ Wᵀ λ(u)`.
+    answer: Vec<Twist>,
+    /// u under way, and where a step begins.
+    twists: Vec<Twist>,
+    from: Vec<Twist>,
+    /// λ₀.
+    start: Vec<[f64; 3]>,
 }
 
 impl Newton {
@@ -43,31 +51,96 @@ impl Newton {
             loaded: Vec::with_capacity(bodies),
             matrix: Vec::with_capacity(36 * n * n),
             right: Vec::with_capacity(6 * n),
+            change: Vec::with_capacity(bodies),
             stiffness: Vec::with_capacity(bodies),
-            push: Vec::with_capacity(bodies),
-            laws: Vec::with_capacity(points),
-            changes: Vec::with_capacity(points),
+            wrenches: Vec::with_capacity(bodies),
+            answer: Vec::with_capacity(bodies),
+            twists: Vec::with_capacity(bodies),
+            from: Vec::with_capacity(bodies),
+            start: Vec::with_capacity(points),
         }
     }
 
-    /// Finds the step at the impulses; `false` where the system has no solution or is too large.
+    /// Takes a proximal step from impulses and their twists; returns the Newton steps it took.
     pub fn step(
         &mut self,
         (contacts, response, friction): (&[Contact], &Response, f64),
+        (sigma, tolerance): (f64, f64),
         twists: &[Twist],
-        impulses: &[[f64; 3]],
+        impulses: &mut [[f64; 3]],
+    ) -> usize {
+        self.start.clear();
+        self.start.extend_from_slice(impulses);
+        self.twists.clear();
+        self.twists.extend_from_slice(twists);
+        let problem = (contacts, response, friction);
+        let mut error = self.error(problem, sigma);
+        let goal = CONVERGED * tolerance / sigma;
+        for step in 0..STEPS {
+            if error <= goal {
+                return step;
+            }
+            if !self.direction(problem, sigma) {
+                return step;
+            }
+            self.from.clone_from(&self.twists);
+            let mut best = (f64::INFINITY, 0.0);
+            for part in PARTS {
+                self.move_by(part);
+                let now = self.error(problem, sigma);
+                if now < best.0 {
+                    best = (now, part);
+                }
+                if now < error {
+                    break;
+                }
+            }
+            // where no part helps, the best of them leads to another set of points that stick, slide or are open
+            if best.0 >= error {
+                self.move_by(best.1);
+                self.error(problem, sigma);
+            }
+            error = best.0;
+            for ((c, l0), impulse) in contacts.iter().zip(&self.start).zip(impulses.iter_mut()) {
+                *impulse = law(c, &c.velocity(&self.twists[c.slot]), l0, friction, sigma).0;
+            }
+        }
+        STEPS
+    }
+
+    /// Evaluates λ(u), what it makes of the twists, and how far that is from u, times the apparent masses, N·s.
+    fn error(&mut self, (contacts, response, friction): (&[Contact], &Response, f64), sigma: f64) -> f64 {
+        let n = response.bodies();
+        self.wrenches.clear();
+        self.wrenches.resize(n, [0.0; 6]);
+        self.answer.resize(n, [0.0; 6]);
+        for (c, l0) in contacts.iter().zip(&self.start) {
+            let (l, _) = law(c, &c.velocity(&self.twists[c.slot]), l0, friction, sigma);
+            c.push(&l, &mut self.wrenches[c.slot]);
+        }
+        response.twists(&self.wrenches, &mut self.answer);
+        let mut sum = 0.0;
+        for c in contacts {
+            let gap: Twist = std::array::from_fn(|k| self.answer[c.slot][k] - self.twists[c.slot][k]);
+            for row in &c.rows {
+                sum += (c.mass * dot6(row, &gap)).powi(2);
+            }
+        }
+        sum.sqrt()
+    }
+
+    /// Solves for δu at u, into `right`; `false` where the system is too large or singular.
+    fn direction(
+        &mut self,
+        (contacts, response, friction): (&[Contact], &Response, f64),
+        sigma: f64,
     ) -> bool {
         let n = response.bodies();
-        self.laws.clear();
         self.stiffness.clear();
         self.stiffness.resize(n, [[0.0; 6]; 6]);
-        self.push.clear();
-        self.push.resize(n, [0.0; 6]);
         self.loaded.clear();
-        for (c, impulse) in contacts.iter().zip(impulses) {
-            let (a, g) = law(c, &c.velocity(&twists[c.slot]), impulse, friction);
-            c.push(&g, &mut self.push[c.slot]);
-            self.laws.push((a, g));
+        for (c, l0) in contacts.iter().zip(&self.start) {
+            let (_, a) = law(c, &c.velocity(&self.twists[c.slot]), l0, friction, sigma);
             if a[0][0] == 0.0 {
                 continue;
             }
@@ -75,15 +148,9 @@ impl Newton {
                 self.loaded.push(c.slot);
             }
             let s = &mut self.stiffness[c.slot];
-            for (i, row) in c.rows.iter().enumerate() {
-                let mut mixed = [0.0; 6];
-                for (x, r) in a[i].iter().zip(&c.rows) {
-                    if *x != 0.0 {
-                        for (m, r) in mixed.iter_mut().zip(r) {
-                            *m += x * r;
-                        }
-                    }
-                }
+            for (row, a) in c.rows.iter().zip(&a) {
+                let mixed: Twist =
+                    std::array::from_fn(|k| a[0] * c.rows[0][k] + a[1] * c.rows[1][k] + a[2] * c.rows[2][k]);
                 for (s, r) in s.iter_mut().zip(row) {
                     for (s, m) in s.iter_mut().zip(&mixed) {
                         *s += r * m;
@@ -91,15 +158,14 @@ impl Newton {
                 }
             }
         }
-        if self.loaded.len() > BODIES {
+        let loaded = self.loaded.len();
+        if loaded > BODIES {
             return false;
         }
-        let loaded = self.loaded.len();
         let size = 6 * loaded;
         self.matrix.clear();
         self.matrix.resize(size * size, 0.0);
         self.right.clear();
-        self.right.resize(size, 0.0);
         for (i, &a) in self.loaded.iter().enumerate() {
             for (j, &b) in self.loaded.iter().enumerate() {
                 let (g, s) = (&response.g[a * n + b], &self.stiffness[b]);
@@ -112,114 +178,76 @@ impl Newton {
                     }
                 }
             }
-            for (b, push) in self.push.iter().enumerate() {
-                for (right, change) in self.right[6 * i..].iter_mut().zip(apply(&response.g[a * n + b], push))
-                {
-                    *right += change;
-                }
-            }
             for k in 0..6 {
                 self.matrix[(6 * i + k) * (size + 1)] += 1.0;
+                self.right.push(self.answer[a][k] - self.twists[a][k]);
             }
         }
         if !solve(&mut self.matrix, &mut self.right) {
             return false;
         }
-        self.changes.clear();
-        let mut at = 0;
-        for (c, (a, g)) in contacts.iter().zip(&self.laws) {
-            if a[0][0] == 0.0 {
-                self.changes.push(*g);
+        // twists without load follow: δu = u_free + G Σ Wᵀ λ − u − G Σ Wᵀ A W δu
+        self.change.clear();
+        for (a, (answer, twist)) in self.answer.iter().zip(&self.twists).enumerate() {
+            self.change.push(std::array::from_fn(|k| answer[k] - twist[k]));
+            if let Ok(i) = self.loaded.binary_search(&a) {
+                self.change[a].copy_from_slice(&self.right[6 * i..6 * i + 6]);
                 continue;
             }
-            // contacts are in order of their bodies
-            while self.loaded[at] != c.slot {
-                at += 1;
-            }
-            let change = &self.right[6 * at..6 * at + 6];
-            let du = c.rows.map(|row| row.iter().zip(change).map(|(r, x)| r * x).sum::<f64>());
-            self.changes
-                .push([0, 1, 2].map(|k| g[k] - (a[k][0] * du[0] + a[k][1] * du[1] + a[k][2] * du[2])));
-        }
-        true
-    }
-
-    /// Takes a part of the step found, and leaves the impulses inside the friction cones; `false` if that is the whole step already.
-    pub fn apply(&self, part: Part, friction: f64, impulses: &mut [[f64; 3]]) -> bool {
-        let mut length = if let Part::Fraction(x) = part { x } else { 1.0 };
-        let mut opens = usize::MAX;
-        if part == Part::ToFirstOpening {
-            for (i, (l, d)) in impulses.iter().zip(&self.changes).enumerate() {
-                // an open point does not count: it is not there to leave
-                if l[0] > 0.0 && l[0] + length * d[0] < 0.0 {
-                    length = -l[0] / d[0];
-                    opens = i;
+            for (i, &b) in self.loaded.iter().enumerate() {
+                let du = &self.right[6 * i..6 * i + 6];
+                let push: Twist =
+                    std::array::from_fn(|k| (0..6).map(|j| self.stiffness[b][k][j] * du[j]).sum());
+                for (x, y) in self.change[a].iter_mut().zip(apply(&response.g[a * n + b], &push)) {
+                    *x -= y;
                 }
             }
-            if opens == usize::MAX {
-                return false;
-            }
-        }
-        for (i, (l, d)) in impulses.iter_mut().zip(&self.changes).enumerate() {
-            for k in 0..3 {
-                l[k] += length * d[k];
-            }
-            l[0] = if i == opens { 0.0 } else { l[0].max(0.0) };
-            (l[1], l[2]) = disc(l[1], l[2], friction * l[0]);
         }
         true
     }
-}
 
-/// How much of a step is taken.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) enum Part {
-    Whole,
-    /// Until the first of the pressed points opens.
-    ToFirstOpening,
-    Fraction(f64),
-}
-
-/// A and g of one contact. See the module header.
-fn law(c: &Contact, u: &[f64; 3], l: &[f64; 3], friction: f64) -> ([[f64; 3]; 3], [f64; 3]) {
-    let mut a = [[0.0; 3]; 3];
-    let u_n = u[0] + c.yielding * l[0];
-    let normal = l[0] - c.mass * u_n;
-    if normal <= 0.0 {
-        return (a, [-l[0], -l[1], -l[2]]);
+    /// Twists a part of the step away from where it begins.
+    fn move_by(&mut self, part: f64) {
+        for ((twist, from), change) in self.twists.iter_mut().zip(&self.from).zip(&self.change) {
+            *twist = std::array::from_fn(|k| from[k] + part * change[k]);
+        }
     }
-    // δλ_n = −σ (u_n + δu_n + γ δλ_n)
-    let stiff = STIFF * c.mass;
+}
+
+/// λ(u) and A of one contact. See the module header.
+fn law(c: &Contact, u: &[f64; 3], l0: &[f64; 3], friction: f64, sigma: f64) -> ([f64; 3], [[f64; 3]; 3]) {
+    let mut a = [[0.0; 3]; 3];
+    let stiff = sigma * c.mass;
+    // λ_n = λ₀ − ρ (u_n + γ λ_n)
     let along = stiff / (1.0 + stiff * c.yielding);
+    let normal = (l0[0] - stiff * u[0]) / (1.0 + stiff * c.yielding);
+    if normal <= 0.0 {
+        return ([0.0; 3], a);
+    }
     a[0][0] = along;
-    let g_n = -along * u_n;
-    let (x, y) = (l[1] - c.mass * u[1], l[2] - c.mass * u[2]);
-    let length = x.hypot(y);
     let radius = friction * normal;
     if radius <= 0.0 {
-        return (a, [g_n, -l[1], -l[2]]);
+        return ([normal, 0.0, 0.0], a);
     }
+    let (x, y) = (l0[1] - stiff * u[1], l0[2] - stiff * u[2]);
+    let length = x.hypot(y);
     if length <= radius {
         a[1][1] = stiff;
         a[2][2] = stiff;
-        return (a, [g_n, -stiff * u[1], -stiff * u[2]]);
+        return ([normal, x, y], a);
     }
-    // λ_t = μ λ_n d with d = (λ_t − ρ u_t)/|·|; across d it turns with the slip, c = μ λ_n/|·| < 1
+    // λ_t = μ λ_n d with d = (λ₀ − ρ u)/|·|: it follows the load, and across d it turns with the slip
     let d = [x / length, y / length];
-    let ratio = (friction * l[0].max(0.0) / length).min(1.0 - 1e-9);
-    let across = ratio * c.mass / (1.0 - ratio);
-    let f = [l[1] - friction * l[0] * d[0], l[2] - friction * l[0] * d[1]];
-    let f_along = f[0] * d[0] + f[1] * d[1];
-    let mut g = [g_n, 0.0, 0.0];
+    let across = stiff * radius / length;
     for i in 0..2 {
-        g[1 + i] = friction * g_n * d[i] - f_along * d[i] - (f[i] - f_along * d[i]) / (1.0 - ratio);
         a[1 + i][0] = friction * along * d[i];
         for j in 0..2 {
             let identity = if i == j { 1.0 } else { 0.0 };
             a[1 + i][1 + j] = across * (identity - d[i] * d[j]);
         }
     }
-    (a, g)
+    let (t1, t2) = disc(x, y, radius);
+    ([normal, t1, t2], a)
 }
 
 /// Solves `m x = b` in place by elimination with row pivots; `false` if m is singular.

@@ -11,17 +11,14 @@
 //! with: a sweep over a standing human costs 0.3 µs.
 
 use super::contact::{Contact, dot6};
-use super::newton::{Newton, Part};
+use super::newton::Newton;
 use super::response::{Response, Twist};
 
 /// Rounds of sweeps, each with a Newton finish.
-const ROUNDS: usize = 24;
-/// Newton steps of a round.
-const STEPS: usize = 10;
+const ROUNDS: usize = 16;
 
-/// Parts of a Newton step that are tried, in this order, until one helps.
-const PARTS: [Part; 5] =
-    [Part::Whole, Part::ToFirstOpening, Part::Fraction(0.3), Part::Fraction(0.1), Part::Fraction(0.02)];
+/// σ of the proximal steps of a finish, one after another.
+const SIGMAS: [f64; 5] = [1e4, 1e6, 1e1, 1e2, 1e4];
 
 /// What a solution cost and how good it is.
 #[derive(Clone, Copy, Debug, Default)]
@@ -42,7 +39,6 @@ pub(super) struct Solver {
     /// Twists with the impulses.
     pub twists: Vec<Twist>,
     best: Vec<[f64; 3]>,
-    base: Vec<[f64; 3]>,
     newton: Newton,
 }
 
@@ -53,14 +49,13 @@ impl Solver {
             wrenches: Vec::with_capacity(bodies),
             twists: Vec::with_capacity(bodies),
             best: Vec::with_capacity(points),
-            base: Vec::with_capacity(points),
             newton: Newton::new(points, bodies),
         }
     }
 
     #[cfg(test)]
     pub fn spoil(&mut self) {
-        for scratch in [&mut self.impulses, &mut self.best, &mut self.base] {
+        for scratch in [&mut self.impulses, &mut self.best] {
             scratch.fill([f64::NAN; 3]);
         }
         self.wrenches.fill([f64::NAN; 6]);
@@ -110,39 +105,25 @@ impl Solver {
         tolerance: f64,
         effort: &mut Effort,
     ) {
-        self.best.clone_from(&self.impulses);
-        let mut at_best = true;
-        for _ in 0..STEPS {
+        for sigma in SIGMAS {
             if effort.residual <= tolerance {
                 break;
             }
-            if !self.newton.step((contacts, response, friction), &self.twists, &self.impulses) {
-                break;
-            }
-            effort.steps += 1;
-            self.base.clone_from(&self.impulses);
-            at_best = false;
-            for part in PARTS {
-                self.impulses.clone_from(&self.base);
-                if !self.newton.apply(part, friction, &mut self.impulses) {
-                    continue;
-                }
-                self.update(contacts, response);
-                let residual = self.residual(contacts, friction);
-                if residual < effort.residual {
-                    at_best = true;
-                    self.best.clone_from(&self.impulses);
-                    effort.residual = residual;
-                    break;
-                }
-            }
-            if !at_best {
-                break;
-            }
-        }
-        if !at_best {
-            self.impulses.clone_from(&self.best);
+            self.best.clone_from(&self.impulses);
+            effort.steps += self.newton.step(
+                (contacts, response, friction),
+                (sigma, tolerance),
+                &self.twists,
+                &mut self.impulses,
+            );
             self.update(contacts, response);
+            let residual = self.residual(contacts, friction);
+            if residual < effort.residual {
+                effort.residual = residual;
+            } else {
+                self.impulses.clone_from(&self.best);
+                self.update(contacts, response);
+            }
         }
     }
 
@@ -172,8 +153,12 @@ impl Solver {
                 }
             }
             let [m11, m12, m22] = c.mass_t;
-            let (t1, t2) =
-                disc(old[1] - (m11 * u1 + m12 * u2), old[2] - (m12 * u1 + m22 * u2), friction * normal);
+            let radius = friction * normal;
+            let (mut t1, mut t2) = (old[1] - (m11 * u1 + m12 * u2), old[2] - (m12 * u1 + m22 * u2));
+            if t1 * t1 + t2 * t2 > radius * radius {
+                // it slides, against its slip: of steps that do not solve the block exactly only those along u_t end where it does
+                (t1, t2) = disc(old[1] - c.slow * u1, old[2] - c.slow * u2, radius);
+            }
             *impulse = [normal, t1, t2];
             let by = [change, t1 - old[1], t2 - old[2]];
             if by == [0.0; 3] {
