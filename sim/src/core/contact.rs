@@ -177,7 +177,9 @@ impl Contact {
     /// Velocity of the point against the ground, b included, for the twist of its body, m/s.
     #[inline(always)]
     pub fn velocity(&self, twist: &[f64; 6]) -> [f64; 3] {
-        [0, 1, 2].map(|k| dot6(&self.rows[k], twist) - self.ground[k])
+        let [n, t1, t2] = &self.rows;
+        let [gn, g1, g2] = &self.ground;
+        [dot6(n, twist) - gn, dot6(t1, twist) - g1, dot6(t2, twist) - g2]
     }
 
     /// Adds an impulse at the point to the wrench on its body.

@@ -10,7 +10,7 @@
 
 use super::contact::{Contact, apply, dot6};
 use super::response::{Response, Twist};
-use super::solve::disc;
+use super::solve::{disc, length, residual};
 
 /// More loaded bodies than this are left to the sweeps: the system is dense.
 const BODIES: usize = 20;
@@ -40,6 +40,8 @@ pub(super) struct Newton {
     /// u under way, and where a step begins.
     twists: Vec<Twist>,
     from: Vec<Twist>,
+    /// λ(u).
+    impulses: Vec<[f64; 3]>,
     /// λ₀.
     start: Vec<[f64; 3]>,
 }
@@ -57,6 +59,7 @@ impl Newton {
             answer: Vec::with_capacity(bodies),
             twists: Vec::with_capacity(bodies),
             from: Vec::with_capacity(bodies),
+            impulses: Vec::with_capacity(points),
             start: Vec::with_capacity(points),
         }
     }
@@ -101,8 +104,9 @@ impl Newton {
                 self.error(problem, sigma);
             }
             error = best.0;
-            for ((c, l0), impulse) in contacts.iter().zip(&self.start).zip(impulses.iter_mut()) {
-                *impulse = law(c, &c.velocity(&self.twists[c.slot]), l0, friction, sigma).0;
+            impulses.copy_from_slice(&self.impulses);
+            if residual(contacts, impulses, &self.answer, friction) <= tolerance {
+                return step + 1;
             }
         }
         STEPS
@@ -111,12 +115,14 @@ impl Newton {
     /// Evaluates λ(u), what it makes of the twists, and how far that is from u, times the apparent masses, N·s.
     fn error(&mut self, (contacts, response, friction): (&[Contact], &Response, f64), sigma: f64) -> f64 {
         let n = response.bodies();
+        self.impulses.clear();
         self.wrenches.clear();
         self.wrenches.resize(n, [0.0; 6]);
         self.answer.resize(n, [0.0; 6]);
         for (c, l0) in contacts.iter().zip(&self.start) {
             let (l, _) = law(c, &c.velocity(&self.twists[c.slot]), l0, friction, sigma);
             c.push(&l, &mut self.wrenches[c.slot]);
+            self.impulses.push(l);
         }
         response.twists(&self.wrenches, &mut self.answer);
         let mut sum = 0.0;
@@ -230,15 +236,15 @@ fn law(c: &Contact, u: &[f64; 3], l0: &[f64; 3], friction: f64, sigma: f64) -> (
         return ([normal, 0.0, 0.0], a);
     }
     let (x, y) = (l0[1] - stiff * u[1], l0[2] - stiff * u[2]);
-    let length = x.hypot(y);
-    if length <= radius {
+    let long = length(x, y);
+    if long <= radius {
         a[1][1] = stiff;
         a[2][2] = stiff;
         return ([normal, x, y], a);
     }
     // λ_t = μ λ_n d with d = (λ₀ − ρ u)/|·|: it follows the load, and across d it turns with the slip
-    let d = [x / length, y / length];
-    let across = stiff * radius / length;
+    let d = [x / long, y / long];
+    let across = stiff * radius / long;
     for i in 0..2 {
         a[1 + i][0] = friction * along * d[i];
         for j in 0..2 {
