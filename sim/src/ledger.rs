@@ -66,6 +66,8 @@ pub struct Ledger {
     pub worst_slip: f64,
     /// Root corrections of the last control step; the moment about the world's origin.
     pub root_correction: Impulse,
+    /// Their work, J.
+    pub root_correction_j: f64,
     /// Sum of the squares of the linear parts per control step, (N·s)².
     pub correction_squared: f64,
     /// Control steps.

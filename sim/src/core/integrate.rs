@@ -245,7 +245,9 @@ impl Core {
             now.motion(self.model.mass, &Impulse { linear: now.linear, angular: now.angular });
         let l = &mut self.ledger;
         l.root_correction += correction.moved(&-start.com);
-        l.correction_j += correction.linear.dot(&shift) + correction.angular.dot(&spin);
+        let work = correction.linear.dot(&shift) + correction.angular.dot(&spin);
+        l.root_correction_j += work;
+        l.correction_j += work;
     }
 
     /// Keeps the impulses for the next substep and for [`contacts`](crate::Engine::contacts).

@@ -103,9 +103,11 @@ impl Newton {
                 self.move_by(best.1);
                 self.error(problem, sigma);
             }
+            // so near the end of what the arithmetic resolves a step that does not gain much gains nothing
+            let stalls = best.0 > 0.1 * error && error <= 100.0 * goal;
             error = best.0;
             impulses.copy_from_slice(&self.impulses);
-            if residual(contacts, impulses, &self.answer, friction) <= tolerance {
+            if stalls || residual(contacts, impulses, &self.answer, friction) <= tolerance {
                 return step + 1;
             }
         }
