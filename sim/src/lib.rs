@@ -9,7 +9,7 @@
 //! | [`engine`] | what the pass asks of an engine, its settings and errors |
 //! | [`engine_entry`] | an engine that can be built |
 //! | [`engines`] | engines by name |
-//! | [`core`] | a reduced-coordinate engine of our own, many times faster |
+//! | [`mod@core`] | a reduced-coordinate engine of our own, many times faster |
 //! | [`rapier`] | the articulated body and the ground in rapier |
 //! | [`ledger`] | what an engine did beyond the equations of motion |
 //! | [`pass`] | a whole run |

@@ -1,7 +1,7 @@
 //! The core: an articulated body in reduced coordinates, for where many steps are needed.
 //!
 //! In: a character, a state, one [`controllers::Drive`] per joint, outside wrenches. Out: the state after the step and
-//! the forces at every contact, through [`Engine`]; its whole state as a [`Snapshot`], and [`rollouts`] from many of them.
+//! the forces at every contact, through [`Engine`]; its whole state as a [`Snapshot`], and [`rollouts()`] from many of them.
 //!
 //! | file | holds |
 //! |---|---|
@@ -16,7 +16,7 @@
 //! | `momentum` | what outside forces make of momentum |
 //! | `step` | drives, root path, wrenches, the step: [`Engine`] |
 //! | `snapshot` | save and restore |
-//! | [`rollouts`] | many runs from many states |
+//! | [`rollouts`](mod@rollouts) | many runs from many states |
 //!
 //! Backward Euler in velocities: with kinematics, mass matrix M and bias c of [`dynamics`] at the start of a substep,
 //! `(M + dt D + dt² K) (v₁ − v₀) = dt (K e − (D + dt K) v₀ − c + Σ Jᵀ w) + Jᵀ λ`, e the distance of each spring from its rest,
