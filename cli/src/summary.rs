@@ -250,6 +250,24 @@ fn performed(out: &mut String, d: &DynamicReport) -> std::fmt::Result {
         );
         line(out, "residual", text)?;
     }
+    if let Some(e) = &d.engine {
+        if free {
+            let text = format!(
+                "without corrections of the root {:.2} N RMS more ({}), {:.3} J in all",
+                e.root_correction_rms_n,
+                percent(e.root_correction_rms_percent_bw),
+                e.root_correction_j
+            );
+            line(out, "", text)?;
+        }
+        if e.contact_solutions > 0 {
+            let text = format!(
+                "{} contact solutions, residual at most {:.0e} m g dt, {} not solved; pushed out of the ground by {:.3} J",
+                e.contact_solutions, e.worst_residual, e.unsolved, e.push_out_j
+            );
+            line(out, "solver", text)?;
+        }
+    }
     let triggers = d.fall.iter().flat_map(|f| &f.triggers);
     for (i, trigger) in triggers.enumerate() {
         line(out, if i == 0 { "BECAUSE" } else { "" }, &trigger.text)?;

@@ -51,7 +51,7 @@ pub fn standing() -> Integration {
 /// elsewhere to fourth order.
 fn integration(settings: &EngineSettings) -> Result<Integration, EngineError> {
     match (settings.contact, settings.ground) {
-        (ContactLaw::Spring { .. }, Some(_)) => Err(EngineError::Failed(
+        (ContactLaw::Spring { .. } | ContactLaw::Compliant { .. }, Some(_)) => Err(EngineError::Failed(
             "spring contacts are not translated to MuJoCo, whose solref is per mass of the body; use stiff ones".into(),
         )),
         (ContactLaw::Stiff, Some(_)) => Ok(Integration { substeps: settings.substeps, ..standing() }),

@@ -243,6 +243,11 @@ impl State {
     /// [`State::update_pose`], then Featherstone 2008, (5.7): velocities outward.
     pub fn update(&mut self, model: &Model, q: &[f64], v: &[f64]) {
         self.update_pose(model, q);
+        self.update_velocity(model, v);
+    }
+
+    /// Recomputes velocities for the velocity `v` (`nv`) in the pose of the last update; positions stay as they are.
+    pub fn update_velocity(&mut self, model: &Model, v: &[f64]) {
         for (i, b) in model.bodies.iter().enumerate() {
             let s = &self.bodies[i];
             let (linear, angular) = s.joint_motion(b, v);

@@ -60,11 +60,21 @@ pub struct Disturbed {
     pub carried: Vec<Handed>,
     /// World position of the centre of each of them, `rows × carried × 3`, m: in rows without it, where it would be.
     pub carried_com: Vec<f64>,
+    /// What the engine put on the root, `rows × 7`, so that forces alone change the momentum: impulse (N·s), its moment about the root's
+    /// origin (N·m·s), its work (J). The balance of the momentum holds with it in place and does not contain it; without it, it would be
+    /// left over. Empty of engines that do not correct.
+    pub root_correction: Vec<f64>,
 }
 
 impl Default for Disturbed {
     fn default() -> Self {
-        Self { ground_up: vec![Vec3::y()], wrench: Vec::new(), carried: Vec::new(), carried_com: Vec::new() }
+        Self {
+            ground_up: vec![Vec3::y()],
+            wrench: Vec::new(),
+            carried: Vec::new(),
+            carried_com: Vec::new(),
+            root_correction: Vec::new(),
+        }
     }
 }
 
@@ -277,6 +287,7 @@ impl Trace {
             wrench: part(&d.wrench),
             carried: d.carried.iter().map(handed).collect(),
             carried_com: part(&d.carried_com),
+            root_correction: part(&d.root_correction),
         };
         Self {
             q: part(&self.q),

@@ -174,6 +174,7 @@ fn units_name_arrays() {
         wrench: vec![0.0; 30],
         carried: vec![dynamics::Handed { what, from_row: 0, to_row: 5 }],
         carried_com: vec![0.0; 15],
+        root_correction: vec![0.0; 35],
     };
     [plain, disturbed].iter().for_each(units_name_arrays_of);
 }

@@ -22,6 +22,7 @@ fn disturbed(rows: usize) -> Disturbed {
         wrench: numbers(6),
         carried: vec![Handed { what, from_row: 1, to_row: 4 }],
         carried_com: numbers(3),
+        root_correction: numbers(7),
     }
 }
 

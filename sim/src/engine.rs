@@ -14,6 +14,8 @@ use dynamics::{Model, State, Wrench};
 use motion::{Floor, Vec3};
 use thiserror::Error;
 
+use crate::Ledger;
+
 /// What an engine is built for.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct EngineSettings {
@@ -44,6 +46,14 @@ pub enum ContactLaw {
         natural_frequency_hz: f64,
         /// ζ.
         damping_ratio: f64,
+    },
+    /// A spring and a damper at each point, the same for every body: a load m g on n points sinks by m g/(n k). Pushes only.
+    /// Only the core has it.
+    Compliant {
+        /// k, N/m.
+        stiffness_n_m: f64,
+        /// c, N·s/m.
+        damping_n_s_m: f64,
     },
 }
 
@@ -138,6 +148,11 @@ pub trait Engine: Send {
 
     /// Appends the contacts of the last step to `out`, in an order that depends on the state alone.
     fn contacts(&self, out: &mut Vec<ContactForce>);
+
+    /// What it did beyond the equations of motion, counted since it was built; `None` of an engine that does not count.
+    fn ledger(&self) -> Option<&Ledger> {
+        None
+    }
 
     /// Stiffness of the stop of a body's joint (N·m/rad) and its torque per stiffness along the zero frame
     /// (rad; in `.x` for hinges), in the present pose; `None` inside the range.

@@ -1,7 +1,7 @@
 //! Engines by name: the table from which a pass gets its engine.
 //!
 //! In: entries. Out: the [`EngineEntry`] of a name, the value that [`Pass::start`](crate::Pass::start) builds its
-//! engine from. [`Engines::default`] knows the engine of this crate; a program adds others by
+//! engine from. [`Engines::default`] knows the engines of this crate; a program adds others by
 //! [`add`](Engines::add), and nothing else has to know of them.
 
 use motion::names::hint;
@@ -33,9 +33,9 @@ pub struct UnknownEngine {
 pub struct Engines(Vec<EngineEntry>);
 
 impl Default for Engines {
-    /// The default engine alone.
+    /// rapier and the core.
     fn default() -> Self {
-        Self(vec![EngineEntry::default()])
+        Self(vec![EngineEntry::default(), crate::core::engine()])
     }
 }
 
@@ -51,7 +51,7 @@ impl Engines {
     /// }));
     /// assert_eq!(engines.get("bullet").unwrap().name(), "bullet");
     /// let error = engines.get("bulet").unwrap_err().to_string();
-    /// assert_eq!(error, "unknown engine `bulet`; did you mean `bullet`? (allowed: rapier, bullet)");
+    /// assert_eq!(error, "unknown engine `bulet`; did you mean `bullet`? (allowed: rapier, core, bullet)");
     /// ```
     pub fn add(&mut self, entry: EngineEntry) {
         match self.0.iter_mut().find(|e| e.name() == entry.name()) {

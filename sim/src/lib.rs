@@ -9,21 +9,27 @@
 //! | [`engine`] | what the pass asks of an engine, its settings and errors |
 //! | [`engine_entry`] | an engine that can be built |
 //! | [`engines`] | engines by name |
+//! | [`mod@core`] | a reduced-coordinate engine of our own, many times faster |
 //! | [`rapier`] | the articulated body and the ground in rapier |
+//! | [`ledger`] | what an engine did beyond the equations of motion |
 //! | [`pass`] | a whole run |
 //! | `recorder` | the trace of a run, row by row |
 //! | `load` | masses carried, row by row |
 
+pub mod core;
 pub mod engine;
 pub mod engine_entry;
 pub mod engines;
+pub mod ledger;
 mod load;
 pub mod pass;
 pub mod rapier;
 mod recorder;
 
+pub use self::core::Core;
 pub use engine::{ContactForce, ContactLaw, Engine, EngineError, EngineSettings};
 pub use engine_entry::EngineEntry;
 pub use engines::{Engines, UnknownEngine};
+pub use ledger::{Impulse, Ledger};
 pub use pass::{Outcome, Pass, PassError, Run};
 pub use rapier::Rapier;

@@ -19,7 +19,7 @@ use thiserror::Error;
 
 use crate::load::Load;
 use crate::recorder::{Outside, Recorder, Stepped};
-use crate::{ContactLaw, Engine, EngineEntry, EngineError, EngineSettings};
+use crate::{ContactLaw, Engine, EngineEntry, EngineError, EngineSettings, Ledger};
 
 /// Why a pass cannot start or go on.
 #[derive(Clone, Debug, PartialEq, Error)]
@@ -72,6 +72,8 @@ pub struct Outcome {
     pub leg_tension: Vec<LegTension>,
     /// Why the run stopped early.
     pub diverged: Option<EngineError>,
+    /// What the engine did beyond the equations of motion; `None` of an engine that does not count.
+    pub ledger: Option<Ledger>,
     /// Largest ω₀ dt/2 added to a damping ratio by implicit integration, and the link.
     pub added_damping: (f64, usize),
     /// Stiffness scale of the run per actuated joint: link, K₁ at T = 1 and K_least over the poses, N·m/rad.
@@ -332,6 +334,7 @@ impl Run {
             verdict,
             leg_tension: plan.leg_tension.clone(),
             diverged: self.diverged,
+            ledger: self.engine.ledger().copied(),
             stiffness,
             added_damping: (added.0, bodies[added.1].link),
             trace,

@@ -10,7 +10,7 @@ use controllers::{Controller, Rest};
 use dynamics::{ContactSample, Disturbed, Momentum, RootMode, State, Trace, Wrench};
 use motion::Vec3;
 
-use crate::{ContactForce, Engine, EngineSettings};
+use crate::{ContactForce, Engine, EngineSettings, Impulse};
 
 /// Fills a trace row by row.
 pub(crate) struct Recorder {
@@ -134,6 +134,12 @@ impl Recorder {
             }
             d.wrench.extend_from_slice(force.as_slice());
             d.wrench.extend_from_slice(moment.as_slice());
+        }
+        if let Some(ledger) = engine.ledger() {
+            let first = step.row == 0;
+            let correction = if first { Impulse::default() } else { ledger.root_correction.moved(&root) };
+            d.root_correction.extend(correction.linear.iter().chain(correction.angular.iter()));
+            d.root_correction.push(if first { 0.0 } else { ledger.root_correction_j });
         }
         let (force, moment) = match (self.trace.root, step.outside.held) {
             (RootMode::Pinned, _) if step.row > 0 => self.pin_wrench(step, &m),

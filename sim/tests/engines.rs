@@ -212,7 +212,7 @@ fn an_unknown_engine_is_answered_with_the_nearest() {
     let words = |name: &str| engines().get(name).unwrap_err().to_string();
     assert_eq!(
         words("kinmatic"),
-        "unknown engine `kinmatic`; did you mean `kinematic`? (allowed: rapier, kinematic)"
+        "unknown engine `kinmatic`; did you mean `kinematic`? (allowed: rapier, core, kinematic)"
     );
-    assert_eq!(words("physx"), "unknown engine `physx` (allowed: rapier, kinematic)");
+    assert_eq!(words("physx"), "unknown engine `physx` (allowed: rapier, core, kinematic)");
 }

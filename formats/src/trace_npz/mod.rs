@@ -20,6 +20,7 @@
 //! | `link_com` | n × 3L | world centres of mass, m; absent when not recorded |
 //! | `ground_up` | 3 or rows × 3 | direction in which the ground faces, in all rows or in each; absent when it is level |
 //! | `disturbed_wrench` | n × 6 | pushes, and hands that give and take masses: N, N·m about the root's origin; absent without |
+//! | `root_correction` | n × 7 | what the engine put on the root for the momentum's sake: N·s, N·m·s about the root's origin, J; absent of engines that do not |
 //! | `carried_link`, `carried_mass` | k | index, kg: masses carried; these arrays are absent without |
 //! | `carried_at`, `carried_inertia` | k × 3, k × 9 | centre in the link's frame, m; kg·m² about it |
 //! | `carried_rows` | k × 2 | first row whose forces move it, first row whose forces do so no more |

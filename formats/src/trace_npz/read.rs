@@ -211,6 +211,9 @@ fn disturbed<R: Read + Seek>(
     if npz.has("disturbed_wrench") {
         out.wrench = npz.reals("disturbed_wrench", &[rows, 6])?;
     }
+    if npz.has("root_correction") {
+        out.root_correction = npz.reals("root_correction", &[rows, 7])?;
+    }
     if !npz.has("carried_link") {
         return Ok(out);
     }

@@ -35,6 +35,7 @@ const UNITS: &[(&str, &str)] = &[
     ("link_com", "m"),
     ("ground_up", "1"),
     ("disturbed_wrench", "N (3), N·m about the root's origin (3)"),
+    ("root_correction", "N·s (3), N·m·s about the root's origin (3), J"),
     ("carried_mass", "kg"),
     ("carried_at", "m"),
     ("carried_inertia", "kg·m^2"),
@@ -142,6 +143,7 @@ pub fn write<W: Write + Seek>(trace: &Trace, out: W) -> io::Result<()> {
     let written = |name: &str| match name {
         "ground_up" => tilted(d),
         "disturbed_wrench" => !d.wrench.is_empty(),
+        "root_correction" => !d.root_correction.is_empty(),
         _ => !name.starts_with("carried_") || !d.carried.is_empty(),
     };
     let units: Vec<&str> = UNITS.iter().filter(|u| written(u.0)).flat_map(|u| [u.0, u.1]).collect();
@@ -186,6 +188,9 @@ fn write_disturbed<W: Write + Seek>(npz: &mut Arrays<W>, d: &Disturbed) -> io::R
     }
     if !d.wrench.is_empty() {
         npz.table("disturbed_wrench", 6, &d.wrench)?;
+    }
+    if !d.root_correction.is_empty() {
+        npz.table("root_correction", 7, &d.root_correction)?;
     }
     if d.carried.is_empty() {
         return Ok(());

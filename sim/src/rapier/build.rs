@@ -23,7 +23,7 @@ impl Rapier {
     /// Builds the body at the pose `q` with the velocity `v`.
     ///
     /// # Errors
-    /// [`EngineError::RootFrame`], [`EngineError::Joint`].
+    /// [`EngineError::RootFrame`], [`EngineError::Joint`]; [`EngineError::Failed`] for compliant contacts.
     pub fn new(
         character: &Character,
         settings: EngineSettings,
@@ -55,6 +55,10 @@ impl Rapier {
                 p.num_internal_pgs_iterations = SPRING_SWEEPS;
                 // predicted contacts, before they touch, are rigid whatever the softness: predict none
                 p.normalized_prediction_distance = 0.0;
+            }
+            ContactLaw::Compliant { .. } => {
+                let why = "rapier's contact springs are per apparent mass, not in N/m; compliant contacts need the core";
+                return Err(EngineError::Failed(why.into()));
             }
         }
 

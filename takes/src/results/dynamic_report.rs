@@ -71,6 +71,52 @@ pub struct DynamicReport {
     pub leg_tension: Vec<LegTensionReport>,
     /// How far the eyes missed what they were to look at.
     pub gazes: Vec<GazeReport>,
+    /// What the engine did beyond the equations of motion; absent of engines that do not count.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub engine: Option<EngineReport>,
+}
+
+/// What an engine did beyond the equations of motion, over the whole run.
+#[derive(Clone, Copy, Debug, Serialize)]
+pub struct EngineReport {
+    /// RMS of the force that its corrections of the root amount to, N.
+    pub root_correction_rms_n: f64,
+    /// That over body weight, %; null without weight.
+    pub root_correction_rms_percent_bw: Option<f64>,
+    /// Work of the corrections, J.
+    pub root_correction_j: f64,
+    /// Work of pushing points out of the ground, J.
+    pub push_out_j: f64,
+    /// Work of friction against the ground, J.
+    pub friction_j: f64,
+    /// Solutions of contacts.
+    pub contact_solutions: u64,
+    /// Those whose residual exceeds 1e-6 m g dt.
+    pub above_1e6: u64,
+    /// Those whose residual exceeds 1e-3 m g dt: not solved.
+    pub unsolved: u64,
+    /// Largest residual over m g dt.
+    pub worst_residual: f64,
+    /// Substeps taken in halves.
+    pub halved: u64,
+}
+
+impl EngineReport {
+    fn new(l: &sim::Ledger, rate_hz: f64, weight: f64) -> Self {
+        let rms = l.correction_rms_n(rate_hz);
+        Self {
+            root_correction_rms_n: rms,
+            root_correction_rms_percent_bw: percent(rms, weight),
+            root_correction_j: l.correction_j,
+            push_out_j: l.push_out_j,
+            friction_j: l.friction_j,
+            contact_solutions: l.touching,
+            above_1e6: l.above_tight,
+            unsolved: l.above_loose,
+            worst_residual: l.worst_residual,
+            halved: l.halved,
+        }
+    }
 }
 
 /// Stiffness of one joint.
@@ -245,6 +291,7 @@ impl DynamicReport {
                 })
                 .collect(),
             gazes: GazeReport::of(&take.conditions.gazes, t),
+            engine: o.ledger.as_ref().map(|l| EngineReport::new(l, t.rate_hz, c.mass() * t.gravity.norm())),
         }
     }
 }

@@ -1,0 +1,216 @@
+//! The core: an articulated body in reduced coordinates, for where many steps are needed.
+//!
+//! In: a character, a state, one [`controllers::Drive`] per joint, outside wrenches. Out: the state after the step and
+//! the forces at every contact, through [`Engine`]; its whole state as a [`Snapshot`], and [`rollouts()`] from many of them.
+//!
+//! | file | holds |
+//! |---|---|
+//! | `tree` | which degrees of freedom carry which, packed rows |
+//! | `factor` | `M + dt D + dt² K = Lᵀ L` on the tree |
+//! | `shapes` | shapes as points |
+//! | `contact` | points near the ground and their laws |
+//! | `response` | how the touching bodies answer to impulses |
+//! | `solve` | contact impulses: sweeps, the residual |
+//! | `newton` | their finish |
+//! | `integrate` | a substep |
+//! | `momentum` | what outside forces make of momentum |
+//! | `step` | drives, root path, wrenches, the step: [`Engine`] |
+//! | `snapshot` | save and restore |
+//! | [`rollouts`](mod@rollouts) | many runs from many states |
+//!
+//! Backward Euler in velocities: with kinematics, mass matrix M and bias c of [`dynamics`] at the start of a substep,
+//! `(M + dt D + dt² K) (v₁ − v₀) = dt (K e − (D + dt K) v₀ − c + Σ Jᵀ w) + Jᵀ λ`, e the distance of each spring from its rest,
+//! which is re-based every control step, and `q₁ = q₀ ⊕ v₁ dt`. Method, traps and numbers are in `docs/CORE.md`.
+
+mod contact;
+mod factor;
+mod integrate;
+mod momentum;
+mod newton;
+mod response;
+mod shapes;
+mod snapshot;
+mod solve;
+mod step;
+mod tree;
+
+pub mod rollouts;
+
+use bodies::Character;
+use dynamics::{Model, State, Wrench};
+use motion::{Joint, Vec3};
+use nalgebra::DMatrix;
+
+use crate::{ContactLaw, Engine, EngineEntry, EngineError, EngineSettings, Ledger};
+use contact::{Contact, Yield};
+use factor::Factor;
+use response::Response;
+use shapes::{Group, Point};
+use solve::Solver;
+use tree::Tree;
+
+pub use rollouts::rollouts;
+pub use snapshot::Snapshot;
+
+/// The name by which it is chosen.
+pub const NAME: &str = "core";
+
+/// The entry of the core in the table of [`crate::Engines`].
+pub fn engine() -> EngineEntry {
+    let description = "our own reduced-coordinate core, many times faster";
+    EngineEntry::new(NAME, description, |character, settings, q, v| {
+        Ok(Box::new(Core::new(character, settings, q, v)?) as Box<dyn Engine>)
+    })
+}
+
+/// What the ground did to a point over a control step.
+#[derive(Clone, Copy, Debug, Default)]
+struct Touch {
+    /// N·s, world.
+    impulse: Vec3,
+    /// Places of the point weighted by its normal impulses, and the sum of these.
+    place: Vec3,
+    weight: f64,
+    /// Depth in the last substep in which it touched, m.
+    depth: f64,
+}
+
+/// An articulated body. See the module header.
+#[derive(Clone, Debug)]
+pub struct Core {
+    /// The body, compiled.
+    pub model: Model,
+    /// What it was built for; the ground as it lies now.
+    pub settings: EngineSettings,
+    tree: Tree,
+    points: Vec<Point>,
+    groups: Vec<Group>,
+    yields: Yield,
+
+    // the state: what a snapshot holds
+    q: Vec<f64>,
+    v: Vec<f64>,
+    /// Control steps taken.
+    steps: usize,
+    /// Stiffness of the stop of each body's joint, N·m/rad.
+    stops: Vec<f64>,
+    /// Springs per degree of freedom: K, D, and e, how far the rest is.
+    stiffness: Vec<f64>,
+    damping: Vec<f64>,
+    rest: Vec<f64>,
+    /// Forces of the last substep at each point: where the next solution starts. N; normal, two tangents.
+    forces: Vec<[f64; 3]>,
+    /// Velocity of a pinned root on its path.
+    path: Option<[f64; 6]>,
+    /// Where the ground will face after the next step, and its angular velocity until then, rad/s.
+    next_up: Vec3,
+    ground_rate: Vec3,
+    wrenches: Vec<Wrench>,
+
+    // what a step overwrites
+    state: State,
+    mass: DMatrix<f64>,
+    factor: Factor,
+    force: Vec<f64>,
+    change: Vec<f64>,
+    /// Velocities without contacts.
+    free: Vec<f64>,
+    /// Pose and velocity at the start of the substep.
+    before: Vec<f64>,
+    before_v: Vec<f64>,
+    contacts: Vec<Contact>,
+    touching: Vec<usize>,
+    response: Response,
+    solver: Solver,
+    touches: Vec<Touch>,
+    ledger: Ledger,
+}
+
+impl Core {
+    /// Builds the body at the pose `q` with the velocity `v`.
+    ///
+    /// # Errors
+    /// [`EngineError::Failed`]: a joint that moves no inertia.
+    pub fn new(
+        character: &Character,
+        settings: EngineSettings,
+        q: &[f64],
+        v: &[f64],
+    ) -> Result<Self, EngineError> {
+        let model = Model::new(character, settings.gravity);
+        let (n, bodies) = (model.nv(), model.bodies.len());
+        let tree = Tree::new(&model);
+        let (points, groups) = match settings.ground {
+            Some(_) => shapes::points(character, &model),
+            None => (Vec::new(), Vec::new()),
+        };
+        let yields = match settings.contact {
+            ContactLaw::Stiff => Yield::Stiff,
+            ContactLaw::Spring { natural_frequency_hz, damping_ratio } => {
+                Yield::Frequency { omega: std::f64::consts::TAU * natural_frequency_hz, zeta: damping_ratio }
+            }
+            ContactLaw::Compliant { stiffness_n_m, damping_n_s_m } => {
+                Yield::Compliant { stiffness: stiffness_n_m, damping: damping_n_s_m }
+            }
+        };
+        let mut core = Self {
+            response: Response::new(&tree, &groups),
+            solver: Solver::new(points.len(), groups.len()),
+            forces: vec![[0.0; 3]; points.len()],
+            touches: vec![Touch::default(); points.len()],
+            contacts: Vec::with_capacity(points.len()),
+            touching: Vec::with_capacity(groups.len()),
+            state: State::new(&model),
+            mass: DMatrix::zeros(n, n),
+            factor: Factor::new(&tree, n),
+            force: vec![0.0; n],
+            change: vec![0.0; n],
+            free: vec![0.0; n],
+            before: vec![0.0; q.len()],
+            before_v: vec![0.0; n],
+            q: q.to_vec(),
+            v: v.to_vec(),
+            steps: 0,
+            stops: vec![0.0; bodies],
+            stiffness: vec![0.0; n],
+            damping: vec![0.0; n],
+            rest: vec![0.0; n],
+            path: None,
+            next_up: settings.ground.map_or(Vec3::y(), |g| g.up),
+            ground_rate: Vec3::zeros(),
+            wrenches: Vec::with_capacity(8),
+            ledger: Ledger::default(),
+            model,
+            settings,
+            tree,
+            points,
+            groups,
+            yields,
+        };
+        core.state.update(&core.model, &core.q, &core.v);
+        core.state.mass_matrix(&core.model, &mut core.mass);
+        core.factor.load(&core.tree, &core.mass, |_| 0.0);
+        core.factor.factor(&core.tree, core.held()).map_err(|dof| {
+            EngineError::Failed(format!(
+                "`{}` moves no inertia; its acceleration is not defined",
+                core.joint_of(dof)
+            ))
+        })?;
+        Ok(core)
+    }
+
+    /// Degrees of freedom that move as given instead of by forces: those of a pinned root.
+    fn held(&self) -> usize {
+        if self.settings.pinned && self.free_root() { 6 } else { 0 }
+    }
+
+    fn free_root(&self) -> bool {
+        matches!(self.model.bodies[0].joint, Joint::Free)
+    }
+
+    /// Name of the link whose joint has a degree of freedom.
+    fn joint_of(&self, dof: usize) -> &str {
+        let body = self.model.bodies.iter().rev().find(|b| b.v_at <= dof && b.joint.nv() > 0);
+        &self.model.skeleton.links()[body.map_or(0, |b| b.link)].name
+    }
+}
