@@ -74,6 +74,12 @@ fn write(out: &mut String, take: &Take, report: &Report, dir: &Path) -> std::fmt
     if k.limited.len() > SAGGING {
         line(out, "", format!("and {} more, see report.json", k.limited.len() - SAGGING))?;
     }
+    for (i, edited) in k.edited.iter().take(SAGGING).enumerate() {
+        line(out, if i == 0 { "edited" } else { "" }, edited)?;
+    }
+    if k.edited.len() > SAGGING {
+        line(out, "", format!("and {} more, see report.json", k.edited.len() - SAGGING))?;
+    }
     if let Some(shifted) = &k.shifted {
         line(out, "moved", &shifted.text)?;
     }

@@ -255,7 +255,7 @@ pub enum EditError {
     Example(#[from] ExampleError),
     /// A style that does not fit.
     #[error("style: {0}")]
-    Style(Box<crate::style::StyleError>),
+    Style(Box<crate::style::error::StyleError>),
 }
 
 impl EditError {

@@ -113,6 +113,13 @@ impl EditLog {
         &self.clamped
     }
 
+    /// What each clip edit changed, and what it noted, a line each.
+    pub fn clip_lines(&self) -> Vec<String> {
+        let edit = |i: usize| format!("{} (edit {i})", self.edits[i]);
+        let changes = self.clip_changes.iter().map(|c| format!("{}: {c}", edit(c.edit)));
+        changes.chain(self.notes.iter().map(|(i, note)| format!("{}: {note}", edit(*i)))).collect()
+    }
+
     /// What edits of clips changed, in order; an edit that changed nothing is not among them.
     pub fn clip_changes(&self) -> &[ClipChange] {
         &self.clip_changes
@@ -217,11 +224,8 @@ impl fmt::Display for EditLog {
             let edits: Vec<String> = c.edits.iter().map(|&i| edit(i)).collect();
             writeln!(f, "{}: {} changed by {}", text(&c.label), c.field, edits.join(", then "))?;
         }
-        for change in &self.clip_changes {
-            writeln!(f, "{}: {change}", edit(change.edit))?;
-        }
-        for (i, note) in &self.notes {
-            writeln!(f, "{}: {note}", edit(*i))?;
+        for line in self.clip_lines() {
+            writeln!(f, "{line}")?;
         }
         Ok(())
     }

@@ -17,8 +17,8 @@ use motion::smooth::whittaker::{Whittaker, lambda};
 use motion::{Quat, TimeMap};
 use nalgebra::DMatrix;
 
-use super::StyleError;
 use super::cycle::{Period, period};
+use super::error::StyleError;
 use super::figure::Postures;
 use super::set::StyleSet;
 

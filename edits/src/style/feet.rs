@@ -8,8 +8,7 @@ use motion::rotation::slerp;
 use motion::smooth::whittaker::{Whittaker, lambda};
 use motion::{Clip, ContactPlan, Joint, Kinematics, Limb, LimbKind, Transform, Vec3, smoothstep};
 
-use super::StyleError;
-use super::transfer::worlds;
+use super::error::StyleError;
 
 /// A foot comes to its place, and leaves it, over this time, s.
 const RAMP_S: f64 = 0.16;
@@ -184,4 +183,9 @@ impl Feet {
         }
         Ok(lowered)
     }
+}
+
+/// Origins of the links of a clip, for measures: frame by frame, m.
+pub(super) fn worlds(clip: &Clip) -> Vec<Kinematics> {
+    (0..clip.frames()).map(|f| Kinematics::new(&clip.skeleton, clip.pose(f))).collect()
 }

@@ -18,7 +18,7 @@ use motion::rotation::{between, exp, swing_twist};
 use motion::smooth::whittaker::{Whittaker, lambda};
 use motion::{Clip, Joint, Kinematics, LimbKind, Quat, Skeleton, Transform, Vec3};
 
-use super::StyleError;
+use super::error::StyleError;
 
 /// The heading is that of the body below this frequency, Hz: the pelvis turns to and fro with every step.
 const HEADING_HZ: f64 = 0.3;

@@ -14,10 +14,10 @@ use learn::ica::{Contrast, Ica, IcaOptions, Method, fit, whiten};
 use motion::Clip;
 use nalgebra::{DMatrix, DVector};
 
+use super::error::StyleError;
 use super::figure::{Figure, Match, Postures};
 use super::representation::{Channels, Coding, Representation};
 use super::separate::{Separation, separate};
-use super::{StyleError, words};
 
 /// A clip to be decomposed.
 #[derive(Clone, Copy, Debug)]
@@ -353,11 +353,6 @@ impl StyleSet {
     /// All components together: the approximation of the joined clip.
     pub fn together(&self) -> Clip {
         self.postures(&self.activations).in_place(&self.figure)
-    }
-
-    /// What a component does, in words: `trunk pitches 18°, …; posture; separates 0.92`.
-    pub fn words(&self, component: usize) -> String {
-        words::describe(self, component)
     }
 }
 

@@ -17,14 +17,14 @@
 
 use std::collections::BTreeMap;
 
+use motion::TimeMap;
 use motion::names::Word;
 use motion::smooth::whittaker::{Whittaker, lambda};
 use motion::time_map::End;
-use motion::{Kinematics, TimeMap};
 use nalgebra::DMatrix;
 
-use super::StyleError;
 use super::align::{On, aligned};
+use super::error::StyleError;
 use super::feet::{self, Feet};
 use super::figure::{Match, Postures};
 use super::set::{StyleSet, said};
@@ -232,9 +232,4 @@ fn donors_time(donor_s: &[f64], rate_hz: f64) -> Result<TimeMap, StyleError> {
     let anchors: Vec<(f64, f64)> =
         frames.iter().map(|f| (*f as f64 / rate_hz, donor_s[*f] - donor_s[0])).collect();
     TimeMap::with_ends(&anchors, [End::Free; 2]).map_err(|source| StyleError::Anchors { source })
-}
-
-/// Origins of the links of a clip, for measures: frame by frame, m.
-pub(super) fn worlds(clip: &motion::Clip) -> Vec<Kinematics> {
-    (0..clip.frames()).map(|f| Kinematics::new(&clip.skeleton, clip.pose(f))).collect()
 }

@@ -19,8 +19,15 @@ const LEAST: f64 = 0.017;
 /// Heights below this are not worth a word, m.
 const LEAST_M: f64 = 0.005;
 
+impl StyleSet {
+    /// What a component does, in words: `trunk pitches 18°, …; posture; separates 0.92`.
+    pub fn words(&self, component: usize) -> String {
+        describe(self, component)
+    }
+}
+
 /// `LowerBack pitches 18° (31 %), …; 40 mm lower; posture; separates 0.92`.
-pub(super) fn describe(set: &StyleSet, component: usize) -> String {
+fn describe(set: &StyleSet, component: usize) -> String {
     let separation = set.separation(component);
     let means = [0, 1].map(|clip| set.of_clip(clip).row_mean());
     let spread = |clip: usize| {

@@ -9,8 +9,9 @@
 //! | `factor` | `M + dt D + dt² K = Lᵀ L` on the tree |
 //! | `shapes` | shapes as points |
 //! | `contact` | points near the ground and their laws |
+//! | `friction` | Coulomb's law: projections, the residual |
 //! | `response` | how the touching bodies answer to impulses |
-//! | `solve` | contact impulses: sweeps, the residual |
+//! | `solve` | contact impulses: sweeps |
 //! | `newton` | their finish |
 //! | `integrate` | a substep |
 //! | `momentum` | what outside forces make of momentum |
@@ -24,6 +25,7 @@
 
 mod contact;
 mod factor;
+mod friction;
 mod integrate;
 mod momentum;
 mod newton;

@@ -9,8 +9,8 @@
 //! with: `(1 + G Σ Wᵀ A W) δu = u_free + G Σ Wᵀ λ(u) − u`, A = −∂λ/∂(W u), 3 × 3 for each point.
 
 use super::contact::{Contact, apply, dot6};
+use super::friction::{disc, length, residual};
 use super::response::{Response, Twist};
-use super::solve::{disc, length, residual};
 
 /// More loaded bodies than this are left to the sweeps: the system is dense.
 const BODIES: usize = 20;

@@ -148,6 +148,9 @@ pub struct KinematicReport {
     pub ignored: Vec<IgnoredReport>,
     /// Joints that their limits changed, the furthest first.
     pub limited: Vec<LimitedReport>,
+    /// What each clip edit changed, and what it noted.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub edited: Vec<String>,
     /// How the root gave way so that the feet can carry the body; null where it did not have to.
     pub shifted: Option<ShiftedReport>,
 }
@@ -261,6 +264,7 @@ impl Report {
                 clamped_frames: take.asked.clamped,
                 ignored: take.asked.ignored.iter().map(IgnoredReport::new).collect(),
                 limited: take.asked.limited.iter().map(LimitedReport::new).collect(),
+                edited: take.log.clip_lines(),
                 shifted: take.asked.shifted.as_ref().map(ShiftedReport::new),
             },
             disturbances: DisturbanceReport::new(take),
