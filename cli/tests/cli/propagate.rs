@@ -123,6 +123,10 @@ fn what_is_no_pair_is_refused() {
         &["propagate", "new", "p", "--source", &a, "--target", &b],
         "the source has 510 frames at 120 Hz and the target 312 at 120 Hz",
     );
+    refused(
+        &["propagate", "new", "p", "--source", &a, "--target", &a, "--span", "9,12"],
+        "the span 9 s to 12 s has no frames",
+    );
     assert!(!place.at("p").exists());
     let lamp = place.clip("", "").to_str().unwrap().to_owned();
     refused(&["propagate", "train", "p"], "no project here; `contrapposto propagate new` makes one");

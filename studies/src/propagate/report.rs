@@ -6,7 +6,7 @@
 use std::fmt;
 
 use edits::by_example::edit::Applied;
-use edits::by_example::{ExampleEdit, Pair, Rig};
+use edits::by_example::{ExampleEdit, ExampleOptions, Pair, Rig};
 use edits::by_example::{contradictions, key_next};
 use motion::{Clip, Dof};
 use serde::Serialize;
@@ -14,12 +14,13 @@ use serde::Serialize;
 use super::PropagateError;
 use super::project::Project;
 
-/// Checks a pair before anything is written: its frames, and that the bodies are one rig.
+/// Checks a pair before anything is written: its frames, its spans, and that the bodies are one rig.
 ///
 /// # Errors
-/// As [`Pair::check`]; bodies that differ.
+/// As [`Pair::check`]; spans without frames; bodies that differ.
 pub fn check(pair: &Pair) -> Result<(), PropagateError> {
     pair.check()?;
+    pair.examples(ExampleOptions::default().examples_hz)?;
     Rig::find(Rig::of(&pair.source.skeleton)?.file(), &pair.target.skeleton)?;
     Ok(())
 }
