@@ -1,6 +1,7 @@
 //! Figures of a sample body: nothing clipped, units on every axis, the same bytes twice, and no trace so
 //! odd that a figure breaks.
 
+mod drawn;
 mod sample;
 
 use std::path::{Path, PathBuf};
