@@ -149,3 +149,33 @@ fn names_have_one_meaning() {
     one::<JointClass>();
     one::<LimbKind>();
 }
+
+/// A timing may stand at every level of a script and at an insert, and is read there and nowhere else.
+#[test]
+fn every_level_of_a_script_takes_a_timing() {
+    let within = |action: &str, cycle: &str, pose: &str, element: &str, insert: &str| {
+        format!(
+            "script: [(name: \"a\", {action} cycles: [({cycle} poses: [({pose} set_deg: {{\"x\": 1}}, elements: {{\"x\": ({element})}})])])], \
+             inserts: [(name: \"b\", start_s: 0, {insert} set_deg: {{\"x\": 1}})]"
+        )
+    };
+    let read = |s: &SceneRon| {
+        let (action, insert) = (&s.script[0], &s.inserts[0]);
+        let cycle = &action.cycles[0];
+        let pose = &cycle.poses[0];
+        [action.timing, cycle.timing, pose.timing, pose.elements["x"].timing, insert.timing]
+            .map(|t| t.map(|t| t.0))
+    };
+    for level in 0..5 {
+        for (value, word) in spellings::<Timing>() {
+            let mut at = [""; 5];
+            let text = format!("timing: {word},");
+            at[level] = &text;
+            let mut asked = [None; 5];
+            asked[level] = Some(value);
+            let [a, c, p, e, i] = at;
+            let text = within(a, c, p, e, i);
+            assert_eq!(read(&scene(&text)), asked, "{text}");
+        }
+    }
+}
