@@ -292,3 +292,39 @@ fn refusals_say_what_and_where() {
     slack.properties.tension = Some(0.0);
     assert!(words(build(vec![action("a", 0.0, vec![slack], 1)])).contains("tension is 0"));
 }
+
+/// Timing is inherited from the script to the element; of each two levels the inner one wins, and where none says it, it is loose.
+#[test]
+fn timing_is_of_the_innermost_level_that_says_it() {
+    use motion::Timing;
+    let s = skeleton();
+    // which of script, action, cycle, pose, element say what
+    let built = |said: [Option<Timing>; 5]| {
+        let [top, a, c, p, e] = said.map(|timing| Properties { timing, ..Properties::default() });
+        let value = PoseValue { properties: e, ..PoseValue::scalar("elbow_r", 0.5) };
+        let pose = Pose { properties: p, values: vec![value] };
+        let cycle = Cycle { repetitions: 1, properties: c, poses: vec![pose] };
+        let act = Action { name: "act".into(), start_s: 0.0, properties: a, cycles: vec![cycle] };
+        let script = Script { properties: top, actions: vec![act], inserts: Vec::new() };
+        let tracks = script.build(&s, &base(&s)).unwrap();
+        tracks.elements().map(|(_, e)| e.timing).collect::<Vec<_>>()
+    };
+    assert_eq!(built([None; 5]), [Timing::Loose]);
+    let others: Vec<Timing> =
+        <Timing as motion::names::Word>::WORDS.iter().map(|w| w.0).filter(|t| *t != Timing::Loose).collect();
+    assert!(!others.is_empty());
+    for other in others {
+        for inner in 0..5 {
+            let mut said = [None; 5];
+            said[inner] = Some(other);
+            assert_eq!(built(said), [other], "level {inner} alone");
+            for outer in 0..inner {
+                let mut both = said;
+                both[outer] = Some(Timing::Loose);
+                assert_eq!(built(both), [other], "level {inner} within {outer}");
+                (both[outer], both[inner]) = (Some(other), Some(Timing::Loose));
+                assert_eq!(built(both), [Timing::Loose], "level {inner} within {outer}");
+            }
+        }
+    }
+}
