@@ -94,6 +94,28 @@ fn too_much_is_refused_with_the_limit() {
     assert_eq!(open(&at.join("i0.xml"), &OPTIONS).map(|m| m.joints.len()).unwrap(), 5 * (INCLUDES - 1));
 }
 
+/// A body whose inertia is larger than any number of a file could not be written: it is refused where it is read, and one below
+/// the limit comes back. Found by fuzzing.
+#[test]
+fn bodies_that_no_file_can_hold_are_refused() {
+    let folder = tempfile::tempdir().unwrap();
+    let at = folder.path();
+    let puck = |size: f64| {
+        let joint = "<joint type=\"slide\" axis=\"1 0 0\" armature=\"0.5\"/>";
+        world(&format!("<body name=\"puck\">{joint}<geom type=\"sphere\" size=\"{size}\"/></body>"))
+    };
+    // 0.4 m r² three times, of 1000 kg/m³: 8.4e12 kg·m² at 70 m, 5.3e11 at 40 m
+    let message = said(at, "m.xml", &puck(70.0));
+    assert!(message.starts_with("mass or inertia of body `puck` is 8.4"), "{message}");
+    assert!(message.ends_with("it must be at most 1e12"), "{message}");
+    std::fs::write(at.join("m.xml"), puck(40.0)).unwrap();
+    let body = open(&at.join("m.xml"), &OPTIONS).unwrap().character;
+    let written = formats::mjcf::write(&body, &Default::default()).unwrap();
+    std::fs::write(at.join("again.xml"), written.text).unwrap();
+    let again = open(&at.join("again.xml"), &OPTIONS).unwrap().character;
+    assert_eq!(again.bodies.len(), body.bodies.len());
+}
+
 /// Endless devices and pipes have no end to wait for.
 #[cfg(unix)]
 #[test]

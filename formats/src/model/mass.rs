@@ -3,7 +3,8 @@
 //! In: bodies with explicit inertia or geoms. Out: mass, centre of mass and inertia about it, along the
 //! body's axes. Every fault names the body and the place of its `<inertial>`, geom or joint.
 
-use crate::model_file::{Effect, FileBody, FileJoint, LeftOut, ModelFile};
+use crate::limits::NUMBER;
+use crate::model_file::{Effect, FileBody, FileJoint, LeftOut, ModelFault, ModelFile, ModelFileError};
 use crate::place::Place;
 use motion::Vec3;
 use nalgebra::{Matrix3, Point3};
@@ -39,6 +40,16 @@ pub fn masses(
                 *mass *= total / sum;
                 *inertia *= total / sum;
             }
+        }
+    }
+    for (at, (mass, _, inertia)) in all.iter().enumerate() {
+        // no entry is larger than the trace, however the axes are turned; a file holds no larger number
+        let found = mass.max(inertia.trace());
+        if found > NUMBER {
+            let attribute = format!("mass or inertia of body `{}`", title(file, at));
+            let fault =
+                ModelFault::OutOfBounds { attribute, found: format!("{found:e}"), allowed: "at most 1e12" };
+            return Err(ModelFileError::Model { fault, place: file.bodies[at].place.clone() }.into());
         }
     }
     Ok(all)
