@@ -149,7 +149,6 @@ pub struct KinematicReport {
     /// Joints that their limits changed, the furthest first.
     pub limited: Vec<LimitedReport>,
     /// What each clip edit changed, and what it noted.
-    #[serde(skip_serializing_if = "Vec::is_empty")]
     pub edited: Vec<String>,
     /// How the root gave way so that the feet can carry the body; null where it did not have to.
     pub shifted: Option<ShiftedReport>,
