@@ -6,7 +6,7 @@ use formats::glb;
 use formats::table::{ClipOut, endings};
 use motion::Clip;
 use takes::Ask;
-use takes::results::folder::{Overwrite, check_file, write_file};
+use takes::results::folder::{check_file, write_file};
 
 use crate::args::ConvertArgs;
 use crate::failure::Failure;
@@ -94,16 +94,12 @@ fn body(args: &ConvertArgs) -> Result<(), Failure> {
 
 /// Checks that the output may be written, before anything is read.
 fn check(args: &ConvertArgs, reads: &[PathBuf]) -> Result<(), Failure> {
-    Ok(check_file(&args.output, overwrite(args), reads)?)
+    Ok(check_file(&args.output, output::overwrite(args.force), reads)?)
 }
 
 /// Writes the output, whole or not at all; never over a file that was read.
 fn put(args: &ConvertArgs, bytes: &[u8], reads: &[PathBuf]) -> Result<(), Failure> {
-    Ok(write_file(&args.output, bytes, overwrite(args), reads)?)
-}
-
-fn overwrite(args: &ConvertArgs) -> Overwrite {
-    if args.force { Overwrite::Allow } else { Overwrite::Refuse }
+    Ok(write_file(&args.output, bytes, output::overwrite(args.force), reads)?)
 }
 
 fn describe(clip: &Clip) -> String {

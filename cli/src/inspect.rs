@@ -28,7 +28,7 @@ pub fn run(args: &InspectArgs) -> Result<(), Failure> {
     }
     let (found, body) = inspect(&args.input, &args.clip.import()).map_err(Failure::input)?;
     let mut text = if args.json {
-        serde_json::to_string_pretty(&found).map_err(Failure::run)? + "\n"
+        output::to_json(&found)?
     } else {
         // writing to a String cannot fail
         let mut text = String::new();

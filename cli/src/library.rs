@@ -103,7 +103,7 @@ fn json<'a>(entries: impl Iterator<Item = &'a Entry>) -> Result<String, Failure>
         })
     };
     let all: Vec<serde_json::Value> = entries.map(value).collect();
-    Ok(serde_json::to_string_pretty(&all).map_err(Failure::run)? + "\n")
+    output::to_json(&all)
 }
 
 /// Writes a starter project.

@@ -3,6 +3,8 @@
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
+use serde::Serialize;
+use takes::results::folder::Overwrite;
 use takes::results::write::Undrawn;
 
 use crate::failure::Failure;
@@ -19,6 +21,27 @@ pub fn print(text: &str) -> Result<(), Failure> {
         }
         _ => Ok(()),
     }
+}
+
+/// Prints a value as indented JSON.
+///
+/// # Errors
+/// Of standard output.
+pub fn json(value: &impl Serialize) -> Result<(), Failure> {
+    print(&to_json(value)?)
+}
+
+/// A value as indented JSON with a final newline.
+///
+/// # Errors
+/// A value that JSON cannot hold.
+pub fn to_json(value: &impl Serialize) -> Result<String, Failure> {
+    Ok(serde_json::to_string_pretty(value).map_err(Failure::run)? + "\n")
+}
+
+/// What `--force` says of a file that is there.
+pub fn overwrite(force: bool) -> Overwrite {
+    if force { Overwrite::Allow } else { Overwrite::Refuse }
 }
 
 /// The folder for results: the one asked for, or `out/NAME`.

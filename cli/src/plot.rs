@@ -48,7 +48,7 @@ pub fn run(args: &PlotArgs) -> Result<(), Failure> {
     drop(progress);
     let text = if args.json {
         let value = figures_json(&motion, &drawn, &left_out);
-        serde_json::to_string_pretty(&value).map_err(Failure::run)? + "\n"
+        output::to_json(&value)?
     } else {
         let mut text = String::new();
         for figure in &drawn {

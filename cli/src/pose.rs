@@ -2,7 +2,7 @@
 
 use formats::table::ClipOut;
 use takes::posing::{Moment, PoseOrder, PoseRequest, PoseSource, Posed, check};
-use takes::results::folder::{Overwrite, check_file, write_file};
+use takes::results::folder::{check_file, write_file};
 use takes::results::number;
 
 use crate::failure::Failure;
@@ -51,7 +51,7 @@ pub fn run(args: &PoseArgs) -> Result<(), Failure> {
                 "--view is for the film strip, which is drawn into a folder; found a file in --out".into(),
             ));
         }
-        let overwrite = if args.force { Overwrite::Allow } else { Overwrite::Refuse };
+        let overwrite = output::overwrite(args.force);
         check_file(path, overwrite, &source.files)?;
         posed = source.pose(&order).map_err(Failure::input)?;
         let unit = if format.units { source.metres_per_unit } else { 1.0 };
@@ -72,7 +72,7 @@ pub fn run(args: &PoseArgs) -> Result<(), Failure> {
         dir
     };
     let text = if args.json {
-        serde_json::to_string_pretty(&source.report(&posed)).map_err(Failure::run)? + "\n"
+        output::to_json(&source.report(&posed))?
     } else {
         summary(&source, &posed, &to.display().to_string())
     };

@@ -10,7 +10,7 @@ use motion::Clip;
 use serde_json::json;
 use studies::propagate::project::{self, Change, Project};
 use studies::propagate::{EditOptions, Pair, PropagateError, Where, report};
-use takes::results::folder::{Overwrite, check_file, write_file};
+use takes::results::folder::{check_file, write_file};
 
 use crate::failure::Failure;
 use crate::output;
@@ -27,10 +27,11 @@ pub fn run(args: &PropagateArgs) -> Result<(), Failure> {
     match &args.step {
         Step::New(args) => {
             // pairs that do not go together leave no project behind
-            pair(args)?;
-            add(&Project::create(&args.project, EditOptions::default())?, args)
+            let (pair, options) = (pair(args)?, EditOptions::default());
+            project::check(&pair, &options)?;
+            add(&Project::create(&args.project, options)?, args, &pair)
         }
-        Step::Add(args) => add(&Project::open(&args.project)?, args),
+        Step::Add(args) => add(&Project::open(&args.project)?, args, &pair(args)?),
         Step::Train(args) => train(args),
         Step::Apply(args) => apply(args),
         Step::Export(args) => export(args),
@@ -39,28 +40,19 @@ pub fn run(args: &PropagateArgs) -> Result<(), Failure> {
     }
 }
 
-/// The pair that arguments name, checked.
+/// The pair that arguments name.
 fn pair(args: &PairArgs) -> Result<Pair, Failure> {
-    let pair = Pair {
-        spans_s: args.spans.clone(),
-        ..Pair::new(
-            name(args.name.as_ref(), &args.target),
-            project::open(&args.source)?,
-            project::open(&args.target)?,
-        )
-    };
-    report::check(&pair)?;
-    Ok(pair)
+    let name = name(args.name.as_ref(), &args.target);
+    let (source, target) = (project::open(&args.source)?, project::open(&args.target)?);
+    Ok(Pair { spans_s: args.spans.clone(), context: args.context.clone(), ..Pair::new(name, source, target) })
 }
 
 fn name(given: Option<&String>, file: &Path) -> String {
     given.cloned().unwrap_or_else(|| file.file_stem().unwrap_or_default().to_string_lossy().into_owned())
 }
 
-fn add(project: &Project, args: &PairArgs) -> Result<(), Failure> {
-    let name = name(args.name.as_ref(), &args.target);
-    let pair = pair(args)?;
-    let file = project.add(&name, &args.source, &args.target, args.spans.clone(), args.context.clone())?;
+fn add(project: &Project, args: &PairArgs, pair: &Pair) -> Result<(), Failure> {
+    let file = project.add(pair, &args.source, &args.target)?;
     let edited = project::changes(&pair.source, &pair.target);
     let mut text = match &edited {
         Ok(changes) => describe(changes),
@@ -84,7 +76,7 @@ fn train(args: &TrainArgs) -> Result<(), Failure> {
     let edit = project.train(args.context.as_deref())?;
     let learned = report::learned(&edit);
     if args.json {
-        return output::print(&(serde_json::to_string_pretty(&learned).map_err(Failure::run)? + "\n"));
+        return output::json(&learned);
     }
     let dir = args.project.display();
     output::print(&format!(
@@ -102,7 +94,7 @@ fn apply(args: &ApplyArgs) -> Result<(), Failure> {
     put(&args.output, &done.edited.clip, &args.clip, args.force, &reads)?;
     let report = report::applied(&clip, &done);
     if args.json {
-        return output::print(&(serde_json::to_string_pretty(&report).map_err(Failure::run)? + "\n"));
+        return output::json(&report);
     }
     output::print(&format!("{report}wrote {}\n", args.output.display()))
 }
@@ -147,7 +139,7 @@ fn correct(args: &CorrectArgs) -> Result<(), Failure> {
     }
     if args.json {
         let value = json!({ "pair": file, "changes": changes });
-        return output::print(&(serde_json::to_string_pretty(&value).map_err(Failure::run)? + "\n"));
+        return output::json(&value);
     }
     output::print(&text)
 }
@@ -159,7 +151,7 @@ fn status(args: &StatusArgs) -> Result<(), Failure> {
     let asked = report::Asked { next: args.next, contradiction_rad: args.contradiction.to_radians() };
     let status = report::status(&project, &clips?, &asked)?;
     if args.json {
-        return output::print(&(serde_json::to_string_pretty(&status).map_err(Failure::run)? + "\n"));
+        return output::json(&status);
     }
     output::print(&status.to_string())
 }
@@ -193,12 +185,8 @@ fn reads(model: &Path, clip: &Path) -> Vec<PathBuf> {
     vec![if model.is_dir() { model.join("model.edit") } else { model.to_owned() }, clip.to_owned()]
 }
 
-fn overwrite(force: bool) -> Overwrite {
-    if force { Overwrite::Allow } else { Overwrite::Refuse }
-}
-
 fn check(output: &Path, force: bool, reads: &[PathBuf]) -> Result<(), Failure> {
-    Ok(check_file(output, overwrite(force), reads)?)
+    Ok(check_file(output, output::overwrite(force), reads)?)
 }
 
 /// Writes a clip in the format of the file's ending, in metres.
@@ -211,7 +199,7 @@ fn put(output: &Path, clip: &Clip, from: &Path, force: bool, reads: &[PathBuf]) 
     let solids = glb::bones(&clip.skeleton);
     let name = from.file_stem().unwrap_or_default().to_string_lossy();
     let out = ClipOut { clip, solids: &solids, colors: &[], name: &name, metres_per_unit: UNIT_M };
-    Ok(write_file(output, &write(&out).map_err(Failure::run)?, overwrite(force), reads)?)
+    Ok(write_file(output, &write(&out).map_err(Failure::run)?, output::overwrite(force), reads)?)
 }
 
 /// Unit of a BVH written, m: centimetres.

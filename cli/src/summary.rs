@@ -16,8 +16,8 @@ use takes::{Report, RootMode, Take};
 const LEAST_N: f64 = 0.1;
 /// A gaze that never came nearer to its point is out of reach, degrees.
 const OUT_OF_REACH_DEG: f64 = 5.0;
-/// Joints named as sagging, or as changed by their limits.
-const SAGGING: usize = 5;
+/// Lines of a list that are printed; `report.json` has all.
+const LISTED: usize = 5;
 
 /// The summary of a run whose files are in `dir`.
 pub fn of(take: &Take, report: &Report, dir: &Path) -> String {
@@ -68,18 +68,8 @@ fn write(out: &mut String, take: &Take, report: &Report, dir: &Path) -> std::fmt
     for (i, ignored) in k.ignored.iter().enumerate() {
         line(out, if i == 0 { "IGNORED" } else { "" }, &ignored.text)?;
     }
-    for (i, limited) in k.limited.iter().take(SAGGING).enumerate() {
-        line(out, if i == 0 { "LIMITED" } else { "" }, &limited.text)?;
-    }
-    if k.limited.len() > SAGGING {
-        line(out, "", format!("and {} more, see report.json", k.limited.len() - SAGGING))?;
-    }
-    for (i, edited) in k.edited.iter().take(SAGGING).enumerate() {
-        line(out, if i == 0 { "edited" } else { "" }, edited)?;
-    }
-    if k.edited.len() > SAGGING {
-        line(out, "", format!("and {} more, see report.json", k.edited.len() - SAGGING))?;
-    }
+    first_of(out, "LIMITED", k.limited.iter().map(|l| &l.text))?;
+    first_of(out, "edited", k.edited.iter())?;
     if let Some(shifted) = &k.shifted {
         line(out, "moved", &shifted.text)?;
     }
@@ -376,17 +366,13 @@ fn performed(out: &mut String, d: &DynamicReport) -> std::fmt::Result {
         }
         line(out, "ground", text)?;
     }
-    for (i, s) in d.sagging.iter().take(SAGGING).enumerate() {
-        let text = format!(
+    let sagging = d.sagging.iter().map(|s| {
+        format!(
             "{} at {:.2} s: has {:.1} N·m/rad, needs {:.1}",
             s.joint, s.time_s, s.tension_nm_rad, s.least_nm_rad
-        );
-        line(out, if i == 0 { "SAGGING" } else { "" }, text)?;
-    }
-    if d.sagging.len() > SAGGING {
-        line(out, "", format!("and {} more, see report.json", d.sagging.len() - SAGGING))?;
-    }
-    Ok(())
+        )
+    });
+    first_of(out, "SAGGING", sagging)
 }
 
 /// A share of the body's weight.
@@ -409,6 +395,22 @@ fn feet(f: Option<&FeetReport>) -> String {
         f.float_mm_max.max(0.0),
         f.skate_mm_s
     )
+}
+
+/// The first lines of a list, and how many more there are.
+fn first_of(
+    out: &mut String,
+    what: &str,
+    lines: impl ExactSizeIterator<Item = impl AsRef<str>>,
+) -> std::fmt::Result {
+    let more = lines.len().saturating_sub(LISTED);
+    for (i, text) in lines.take(LISTED).enumerate() {
+        line(out, if i == 0 { what } else { "" }, text)?;
+    }
+    if more > 0 {
+        line(out, "", format!("and {more} more, see report.json"))?;
+    }
+    Ok(())
 }
 
 /// A line of a summary: what it is about, and what there is to say.

@@ -118,5 +118,5 @@ fn finish(
         })
         .collect();
     let json = serde_json::json!({ "best": best.map(|(i, _)| i), "samples": samples });
-    output::print(&(serde_json::to_string_pretty(&json).map_err(Failure::run)? + "\n"))
+    output::json(&json)
 }

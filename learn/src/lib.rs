@@ -76,6 +76,7 @@ pub mod gplvm;
 pub mod ica;
 pub mod kcca;
 pub mod kernel;
+mod known;
 mod likelihood;
 pub mod mls;
 pub mod model;

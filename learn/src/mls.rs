@@ -13,10 +13,10 @@
 use nalgebra::DMatrix;
 use serde::{Deserialize, Serialize};
 
-use crate::by_example::{Known, each};
 use crate::dense::{axpy, cholesky, dot};
 use crate::error::{FitError, InputError};
 use crate::examples::Examples;
+use crate::known::{Known, each};
 use crate::rbf::Batch;
 use crate::regressor::{Prediction, Scratch};
 

@@ -66,3 +66,30 @@ impl Parity {
         }
     }
 }
+
+/// Which images count how.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) enum Sign {
+    /// There are none.
+    Only,
+    /// k(x, x') + k(x, M x'): even targets.
+    Even,
+    /// k(x, x') − k(x, M x'): odd targets.
+    Odd,
+}
+
+impl Sign {
+    /// Of kernels to points and to their images.
+    pub fn join(self, own: f64, image: f64) -> f64 {
+        match self {
+            Sign::Only => own,
+            Sign::Even => own + image,
+            Sign::Odd => own - image,
+        }
+    }
+
+    /// How much of the whole variance this half counts.
+    pub fn share(self) -> f64 {
+        if self == Sign::Only { 1.0 } else { 0.5 }
+    }
+}

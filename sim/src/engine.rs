@@ -94,6 +94,9 @@ pub struct ContactForce {
     pub depth: f64,
 }
 
+/// Above this rate (rad/s or m/s) no character moves.
+const RUNAWAY: f64 = 1e3;
+
 /// An articulated body that can be driven and stepped.
 ///
 /// Object-safe, and able to move to another thread, so that a run can be stepped by whoever holds it.
@@ -152,6 +155,18 @@ pub trait Engine: Send {
     /// What it did beyond the equations of motion, counted since it was built; `None` of an engine that does not count.
     fn ledger(&self) -> Option<&Ledger> {
         None
+    }
+
+    /// Name of the first body whose state is not finite, or that moves as no character does (1000 rad/s or m/s): the run has
+    /// diverged.
+    fn runaway(&self) -> Option<&str> {
+        let (model, q, v) = (self.model(), self.q(), self.v());
+        let body = model.bodies.iter().find(|b| {
+            let q = &q[b.q_at..b.q_at + b.joint.nq()];
+            let v = &v[b.v_at..b.v_at + b.joint.nv()];
+            q.iter().any(|x| !x.is_finite()) || v.iter().any(|x| x.is_nan() || x.abs() >= RUNAWAY)
+        })?;
+        Some(&model.skeleton.links()[body.link].name)
     }
 
     /// Stiffness of the stop of a body's joint (N·m/rad) and its torque per stiffness along the zero frame

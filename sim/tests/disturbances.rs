@@ -1,10 +1,12 @@
 //! Laws of disturbances: tilted ground, masses that come and go.
 
+mod brick;
 mod solids;
 
 use bodies::{Body, Carried, Character};
+use brick::{HALF, MASS, solid_box};
 use dynamics::{Model, State};
-use motion::{Curve, Floor, Joint, Link, Quat, Shape, Tilt, Vec3};
+use motion::{Curve, Floor, Joint, Link, Quat, Tilt, Vec3};
 use nalgebra::Matrix3;
 use sim::{ContactForce, Engine, EngineSettings, Rapier};
 use solids::character;
@@ -14,17 +16,6 @@ const G: f64 = 9.81;
 fn settings(rate_hz: f64, substeps: usize, ground: Option<Floor>) -> EngineSettings {
     let gravity = Vec3::new(0.0, -G, 0.0);
     EngineSettings { rate_hz, substeps, gravity, ground, pinned: false, contact: Default::default() }
-}
-
-const MASS: f64 = 12.0;
-const HALF: [f64; 3] = [0.15, 0.05, 0.2];
-
-fn solid_box() -> Character {
-    let half = Vec3::from(HALF);
-    let c = Carried::solid_box(0, MASS, Vec3::zeros(), half * 2.0);
-    let shapes = vec![Shape::Box { center: Vec3::zeros(), half, rotation: Quat::identity() }];
-    let body = Body { mass: c.mass, com: c.at, inertia: c.inertia, shapes };
-    character(vec![Link::new("box", None, Vec3::zeros(), Joint::Free)], vec![body])
 }
 
 /// A box on tilted ground, resting flat on it: its world and its total contact force after a second.

@@ -237,8 +237,7 @@ impl PoseSource {
         let mut text = |files| {
             let mut report = self.report(posed);
             report["files"] = json!(files);
-            let text = serde_json::to_string_pretty(&report).unwrap_or_default();
-            text + "\n"
+            format!("{report:#}\n")
         };
         write_report(dir, &plan(&self.files), &mut data, &figures, &mut text, progress)
     }

@@ -11,8 +11,8 @@ use crate::cloud::{Cloud, Squared};
 use crate::dense::dot;
 use crate::descend::Objective;
 use crate::error::FitError;
+use crate::parity::Sign;
 use crate::rbf::RbfKernel;
-use crate::rbf::half::Sign;
 use crate::rbf::targets::Targets;
 
 /// Range of a logarithm, entered by a sine: the optimiser's number has no bounds, and its slope in the middle is one.

@@ -18,13 +18,7 @@ impl RbfRegression {
         let examples = self.examples.and(more)?;
         let was = self.cloud.len();
         if self.inducing.is_none() && examples.effective() > self.options.exact_up_to {
-            *self = RbfRegression::with_kernel(
-                examples,
-                self.options.clone(),
-                self.kernel,
-                self.learning.clone(),
-            )?;
-            return Ok(());
+            return self.again(examples);
         }
         let cloud = self.cloud.and(more);
         let added = cloud.subset(&(was..cloud.len()).collect::<Vec<_>>());
@@ -44,13 +38,7 @@ impl RbfRegression {
                         > inducing.reach.max(1e-9 * self.extent.diameter)
                 });
                 if far {
-                    *self = RbfRegression::with_kernel(
-                        examples,
-                        self.options.clone(),
-                        self.kernel,
-                        self.learning.clone(),
-                    )?;
-                    return Ok(());
+                    return self.again(examples);
                 }
                 self.more_sums(&squared, &new)?
             }
@@ -58,6 +46,13 @@ impl RbfRegression {
         self.extent = cloud.extent_grown(&examples, &self.extent, was);
         (self.examples, self.cloud, self.targets, self.halves) = (examples, cloud, targets, halves);
         self.log_likelihood = self.likelihood();
+        Ok(())
+    }
+
+    /// The same kernel with these examples, from nothing.
+    fn again(&mut self, examples: Examples) -> Result<(), FitError> {
+        let (options, learning) = (self.options.clone(), self.learning.clone());
+        *self = RbfRegression::with_kernel(examples, options, self.kernel, learning)?;
         Ok(())
     }
 

@@ -9,38 +9,12 @@ use crate::blocked::{Factor, multiply, transposed, view};
 use crate::cloud::{Cloud, Squared};
 use crate::dense::dot;
 use crate::error::FitError;
+use crate::parity::Sign;
 use crate::rbf::targets::Targets;
 use crate::rbf::{RbfKernel, not_definite};
 
 /// Between inducing points the diagonal has this part of σ_f² more: they have no noise of their own.
 const JITTER: f64 = 1e-10;
-
-/// Which images count how.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) enum Sign {
-    /// There are none.
-    Only,
-    /// k(x, x') + k(x, M x'): even targets.
-    Even,
-    /// k(x, x') − k(x, M x'): odd targets.
-    Odd,
-}
-
-impl Sign {
-    /// Of kernels to points and to their images.
-    pub fn join(self, own: f64, image: f64) -> f64 {
-        match self {
-            Sign::Only => own,
-            Sign::Even => own + image,
-            Sign::Odd => own - image,
-        }
-    }
-
-    /// How much of the whole variance this half counts.
-    pub fn share(self) -> f64 {
-        if self == Sign::Only { 1.0 } else { 0.5 }
-    }
-}
 
 /// A half after its examples.
 #[derive(Clone, Debug, PartialEq)]

@@ -3,9 +3,10 @@
 use nalgebra::DMatrix;
 
 use super::RbfRegression;
-use super::half::{Sign, join};
+use super::half::join;
 use crate::cloud::{CHUNK, Squared};
 use crate::error::InputError;
+use crate::parity::Sign;
 use crate::regressor::{Prediction, Scratch};
 
 /// Predictions for many inputs.

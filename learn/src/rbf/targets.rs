@@ -1,8 +1,7 @@
 //! Targets of examples in even and odd coordinates, about what is taken away.
 
 use crate::examples::Examples;
-use crate::parity::Parity;
-use crate::rbf::half::Sign;
+use crate::parity::{Parity, Sign};
 
 /// Targets in even and odd coordinates.
 #[derive(Clone, Debug, PartialEq)]

@@ -10,9 +10,6 @@ use motion::{Floor, Joint, Vec3};
 use super::{Core, NAME, Touch};
 use crate::{ContactForce, Engine, EngineError, Impulse, Ledger};
 
-/// Above this rate (rad/s or m/s) no character moves: the run has diverged.
-const RUNAWAY: f64 = 1e3;
-
 impl Engine for Core {
     fn name(&self) -> &str {
         NAME
@@ -114,14 +111,10 @@ impl Engine for Core {
         if let Err(dof) = failed {
             return Err(self.diverged(self.joint_of(dof)));
         }
-        for b in &self.model.bodies {
-            let q = &self.q[b.q_at..b.q_at + b.joint.nq()];
-            let v = &self.v[b.v_at..b.v_at + b.joint.nv()];
-            if q.iter().any(|x| !x.is_finite()) || v.iter().any(|x| x.is_nan() || x.abs() >= RUNAWAY) {
-                return Err(self.diverged(&self.model.skeleton.links()[b.link].name));
-            }
+        match self.runaway() {
+            None => Ok(()),
+            Some(body) => Err(self.diverged(body)),
         }
-        Ok(())
     }
 
     fn ledger(&self) -> Option<&Ledger> {

@@ -11,9 +11,6 @@ use super::build::mass_properties;
 use super::{NAME, Rapier, pose, to_glam};
 use crate::{ContactForce, Engine, EngineError};
 
-/// Above this rate (rad/s or m/s) no character moves: the run has diverged.
-const RUNAWAY: f64 = 1e3;
-
 impl Engine for Rapier {
     fn name(&self) -> &str {
         NAME
@@ -148,18 +145,14 @@ impl Engine for Rapier {
             body.reset_torques(true);
         }
         self.read_state();
-        for b in &self.model.bodies {
-            let q = &self.q[b.q_at..b.q_at + b.joint.nq()];
-            let v = &self.v[b.v_at..b.v_at + b.joint.nv()];
-            if q.iter().any(|x| !x.is_finite()) || v.iter().any(|x| x.is_nan() || x.abs() >= RUNAWAY) {
-                return Err(EngineError::Diverged {
-                    step: self.steps,
-                    time_s: self.steps as f64 / self.settings.rate_hz,
-                    body: self.model.skeleton.links()[b.link].name.clone(),
-                });
-            }
+        match self.runaway() {
+            None => Ok(()),
+            Some(body) => Err(EngineError::Diverged {
+                step: self.steps,
+                time_s: self.steps as f64 / self.settings.rate_hz,
+                body: body.into(),
+            }),
         }
-        Ok(())
     }
 
     fn contacts(&self, out: &mut Vec<ContactForce>) {

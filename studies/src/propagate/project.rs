@@ -17,7 +17,7 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use edits::by_example::edit::Applied;
-use edits::by_example::{ByExample, Contacts, ExampleEdit, ExampleOptions, Pair};
+use edits::by_example::{ByExample, Contacts, ExampleEdit, ExampleOptions, Pair, Rig};
 use edits::{Motion, Where};
 use formats::bvh::{ImportOptions, WriteOptions};
 use motion::{Clip, Dof, Limb, Value};
@@ -115,25 +115,17 @@ impl Project {
         self.dir.join(MODEL)
     }
 
-    /// Adds a pair of two clips on disk, copied; returns the pair's file.
+    /// Adds a pair whose clips are on disk, and copies the files; returns the pair's file.
     ///
     /// # Errors
-    /// Clips that cannot be read or do not go together, a name that is taken.
-    pub fn add(
-        &self,
-        name: &str,
-        source: &Path,
-        target: &Path,
-        spans_s: Vec<(f64, f64)>,
-        context: Option<String>,
-    ) -> Result<PathBuf, PropagateError> {
-        let pair = Pair { spans_s, context, ..Pair::new(name, open(source)?, open(target)?) };
-        self.check(&pair)?;
+    /// Clips that do not go together, files that cannot be read, a name that is taken.
+    pub fn add(&self, pair: &Pair, source: &Path, target: &Path) -> Result<PathBuf, PropagateError> {
+        self.check(pair)?;
         let copy = |path: &Path| fs::read(path).map_err(|e| file_fault(path, &e));
         let ending =
             |path: &Path| path.extension().map_or("bvh".into(), |e| e.to_string_lossy().into_owned());
         let (a, b) = (copy(source)?, copy(target)?);
-        self.put(name, &pair, (&ending(source), &a), (&ending(target), &b))
+        self.put(pair, (&ending(source), &a), (&ending(target), &b))
     }
 
     /// Adds a pair of two clips in memory, written as BVH.
@@ -143,7 +135,7 @@ impl Project {
     pub fn add_pair(&self, pair: &Pair) -> Result<PathBuf, PropagateError> {
         self.check(pair)?;
         let (a, b) = (bvh(&pair.source)?, bvh(&pair.target)?);
-        self.put(&pair.name, pair, ("bvh", &a), ("bvh", &b))
+        self.put(pair, ("bvh", &a), ("bvh", &b))
     }
 
     /// A pair that can be learned from, and a name that is a file's.
@@ -152,21 +144,16 @@ impl Project {
         if pair.name.is_empty() || pair.name.starts_with('.') || !pair.name.chars().all(plain) {
             return Err(PropagateError::Name { name: motion::names::echo(&pair.name) });
         }
-        pair.check()?;
-        pair.examples(self.options.examples_hz)?;
-        let rig = edits::by_example::Rig::of(&pair.source.skeleton)?;
-        edits::by_example::Rig::find(rig.file(), &pair.target.skeleton)?;
-        Ok(())
+        check(pair, &self.options)
     }
 
     fn put(
         &self,
-        name: &str,
         pair: &Pair,
         source: (&str, &[u8]),
         target: (&str, &[u8]),
     ) -> Result<PathBuf, PropagateError> {
-        let pairs = self.dir.join(PAIRS);
+        let (pairs, name) = (self.dir.join(PAIRS), &pair.name);
         make(&pairs)?;
         let file = PairFile {
             source: format!("{name}.source.{}", source.0),
@@ -249,6 +236,17 @@ impl Project {
 const PROJECT: &str = "project.ron";
 const PAIRS: &str = "pairs";
 const MODEL: &str = "model.edit";
+
+/// Checks a pair before anything is written: its frames, its spans, and that the bodies are one rig.
+///
+/// # Errors
+/// As [`Pair::check`]; spans without frames; bodies that differ.
+pub fn check(pair: &Pair, options: &ExampleOptions) -> Result<(), PropagateError> {
+    pair.check()?;
+    pair.examples(options.examples_hz)?;
+    Rig::find(Rig::of(&pair.source.skeleton)?.file(), &pair.target.skeleton)?;
+    Ok(())
+}
 
 /// The model of a project, or of a file.
 ///

@@ -6,24 +6,12 @@
 use std::fmt;
 
 use edits::by_example::edit::Applied;
-use edits::by_example::{ExampleEdit, ExampleOptions, Pair, Rig};
-use edits::by_example::{contradictions, key_next};
+use edits::by_example::{ExampleEdit, contradictions, key_next};
 use motion::{Clip, Dof};
 use serde::Serialize;
 
 use super::PropagateError;
 use super::project::Project;
-
-/// Checks a pair before anything is written: its frames, its spans, and that the bodies are one rig.
-///
-/// # Errors
-/// As [`Pair::check`]; spans without frames; bodies that differ.
-pub fn check(pair: &Pair) -> Result<(), PropagateError> {
-    pair.check()?;
-    pair.examples(ExampleOptions::default().examples_hz)?;
-    Rig::find(Rig::of(&pair.source.skeleton)?.file(), &pair.target.skeleton)?;
-    Ok(())
-}
 
 /// What was learned.
 #[derive(Clone, Debug, PartialEq, Serialize)]

@@ -7,7 +7,7 @@
 
 use bodies::anthropometry::{Anatomy, AnatomyError};
 use edits::by_example::{ExampleError, Pair, Rig};
-use motion::rotation::{Quat, Vec3, exp, log};
+use motion::rotation::{Vec3, exp, log};
 use motion::{Clip, Kinematics, smoothstep};
 use thiserror::Error;
 
@@ -126,8 +126,8 @@ pub fn pair(rule: Rule, name: &str, clip: &Clip) -> Result<Pair, RuleError> {
 struct Person {
     anatomy: Anatomy,
     rig: Rig,
-    /// From body axes to the joint frame's parent, of the zero pose, for every link.
-    zero_from_axes: Vec<Quat>,
+    /// On which side each arm hangs: 1 where the lateral axis points, −1 on the other.
+    sides: [f64; 2],
 }
 
 impl Person {
@@ -135,23 +135,22 @@ impl Person {
         let s = &clip.skeleton;
         let anatomy = Anatomy::of(s)?;
         let rig = Rig::of(s)?;
-        let zero_from_axes = (0..s.links().len()).map(|i| rig.axes_from_link(i).inverse()).collect();
-        Ok(Self { anatomy, rig, zero_from_axes })
+        let k = Kinematics::new(s, &s.zero_pose());
+        let axes_from_world = rig.axes_from_link(0) * k.world[0].rotation.inverse();
+        let sides = anatomy.arms.map(|arm| (axes_from_world * (k.origin(arm[0]) - k.origin(0))).x.signum());
+        Ok(Self { anatomy, rig, sides })
     }
 
     /// Turns a joint in its parent's frame by a rotation vector in body axes (x lateral, y up).
     fn turn(&self, q: &mut [f64], link: usize, by: Vec3) {
         let s = self.rig.skeleton();
-        let r = exp(&(self.zero_from_axes[link] * by)) * s.rotation(q, link);
+        let r = exp(&(self.rig.axes_from_link(link).inverse() * by)) * s.rotation(q, link);
         s.set_rotation(q, link, &r);
     }
 
     /// Raises an arm sideways: about the front of the body.
     fn raise(&self, q: &mut [f64], side: usize, by: f64) {
-        let k = Kinematics::new(self.rig.skeleton(), &self.rig.skeleton().zero_pose());
-        let link = self.anatomy.arms[side][0];
-        let out = self.rig.axes_from_link(0) * k.world[0].rotation.inverse() * (k.origin(link) - k.origin(0));
-        self.turn(q, link, Vec3::z() * (by * out.x.signum()));
+        self.turn(q, self.anatomy.arms[side][0], Vec3::z() * (by * self.sides[side]));
     }
 
     /// Speed of the root over the ground, mean of half a second, m/s.

@@ -69,6 +69,13 @@ fn motion(take: &Take) -> Motion {
     Motion { contacts, floor_m: floor_m(take).or(lowest_m), ..Motion::of(take.asked.clip.clone()) }
 }
 
+/// A take as an example of a style. `names`: see [`Example::names`].
+fn example<'a>(take: &'a Take, names: &'a BTreeMap<String, String>) -> Example<'a> {
+    let lowest = || footing::of(&take.body.character, &take.asked.clip).1;
+    let floor_m = floor_m(take).or_else(lowest).unwrap_or(0.0);
+    Example { name: &take.name, clip: &take.asked.clip, floor_m, names }
+}
+
 /// Decomposes the motions of two takes. `names`: links of the first and what the second calls them, where they differ.
 ///
 /// # Errors
@@ -80,14 +87,7 @@ pub fn decompose(
     options: &StyleOptions,
 ) -> Result<StyleSet, StylesError> {
     let none = BTreeMap::new();
-    let motions = [motion(a), motion(b)];
-    let example = |take: &'_ Take, i: usize| -> (String, f64) {
-        let motion: &Motion = &motions[i];
-        (take.name.clone(), motion.floor_m.unwrap_or(0.0))
-    };
-    let ((name_a, floor_a), (name_b, floor_b)) = (example(a, 0), example(b, 1));
-    let one = Example { name: &name_a, clip: &motions[0].clip, floor_m: floor_a, names: &none };
-    let two = Example { name: &name_b, clip: &motions[1].clip, floor_m: floor_b, names };
+    let (one, two) = (example(a, &none), example(b, names));
     Ok(StyleSet::of(one, two, options)?)
 }
 
@@ -158,12 +158,11 @@ pub(crate) fn of_spec(spec: &StyleSpec) -> Result<Style, StylesError> {
     let set = open(&spec.path)?;
     let donor = spec.from.as_ref().map_or(Ok(1), |name| set.clip_named(name))?;
     let mut how = Transfer::of(&set, donor, 0.0);
-    if !spec.only.is_empty() {
-        how.components = set.numbered(&spec.only)?.into_iter().map(|c| (c, spec.amount.clone())).collect();
-    }
-    for (_, amount) in &mut how.components {
-        *amount = spec.amount.clone();
-    }
+    let components: Vec<usize> = match &spec.only[..] {
+        [] => how.components.iter().map(|c| c.0).collect(),
+        only => set.numbered(only)?,
+    };
+    how.components = components.into_iter().map(|c| (c, spec.amount.clone())).collect();
     if let Some(bone) = &spec.align {
         how.on = On::Bone(bone.clone());
     }
