@@ -103,7 +103,7 @@ pub const FORMATS: &[Format] = &[
         name: "URDF",
         endings: &["urdf"],
         keeps: "links, joints with limits, inertials, collision solids",
-        loses: "the same; mimic and planar joints refuse the file; looks",
+        loses: "the same, and that joints follow others (mimic); planar joints refuse the file; looks",
         read_clip: None,
         write_clip: None,
         units: false,

@@ -101,6 +101,8 @@ pub fn read(path: &Path) -> Result<Element, ModelFileError> {
 /// # Errors
 /// See [`read`].
 pub fn parse(text: &str, file: Arc<PathBuf>) -> Result<Element, ModelFileError> {
+    let blanked = without_late_declaration(text);
+    let text = blanked.as_deref().unwrap_or(text);
     let lines = Lines::new(text, file);
     if let Some((at, fault)) = too_much(text) {
         return Err(lines.fault(at, fault));
@@ -123,6 +125,18 @@ pub fn parse(text: &str, file: Arc<PathBuf>) -> Result<Element, ModelFileError> 
         }
     })?;
     lines.element(document.root_element(), 0)
+}
+
+/// The text with spaces for an XML declaration that stands behind blank lines: nothing may precede it, but other programs
+/// read such files, and all places stay where they are. `None` where there is none.
+fn without_late_declaration(text: &str) -> Option<String> {
+    let start = text.len() - text.trim_start().len();
+    let declared = text[start..].starts_with("<?xml ");
+    let end = start + text[start..].find("?>")? + 2;
+    (declared && start > 0).then(|| {
+        let blank: String = text[start..end].chars().map(|c| if c == '\n' { c } else { ' ' }).collect();
+        format!("{}{blank}{}", &text[..start], &text[end..])
+    })
 }
 
 /// The first tag of a text with too many attributes or after too many others; the parser's work grows with the square of

@@ -362,8 +362,8 @@ fn words_that_urdf_does_not_have() {
         "unknown word `hinge` for `type` of joint `j`; there are: fixed, revolute, continuous, prismatic, floating, planar",
     );
     robot(
-        &joint("type=\"continuous\"", "«<mimic joint=\"k\"/>"),
-        "<mimic> is not supported: it takes a degree of freedom away; write the joint as fixed or without <mimic>",
+        &joint("type=\"continuous\"", "<mimc «joint=\"k\"/>").replace("<mimc «", "«<mimc "),
+        "unknown element <mimc> in <joint>; did you mean `mimic`?",
     );
     robot(
         &joint("type=\"continuous\"", "<origin «xzy=\"0 0 0\"/>"),

@@ -80,6 +80,9 @@ pub enum MjcfError {
     /// A free joint that is not the root's.
     #[error("`{0}` has a free joint below the root; MJCF allows free joints at the top only")]
     Free(String),
+    /// A world, and no body in it.
+    #[error("`{0}` is one link without mass or shapes that never moves; an MJCF of it would hold no body")]
+    Still(String),
 }
 
 /// Writes `character` as MJCF. See the module header.
@@ -97,6 +100,12 @@ pub enum MjcfError {
 pub fn write(character: &Character, options: &MjcfOptions) -> Result<Mjcf, MjcfError> {
     let skeleton = &character.skeleton;
     let links = skeleton.links();
+    if let [only] = links
+        && only.joint == Joint::Fixed
+        && character.bodies[0] == nothing()
+    {
+        return Err(MjcfError::Still(only.name.clone()));
+    }
     let mut children = vec![Vec::new(); links.len()];
     let mut sites = vec![Vec::new(); links.len()];
     for (i, link) in links.iter().enumerate() {

@@ -4,9 +4,11 @@
 //! body's axes. Every fault names the body and the place of its `<inertial>`, geom or joint.
 
 use crate::limits::NUMBER;
-use crate::model_file::{Effect, FileBody, FileJoint, LeftOut, ModelFault, ModelFile, ModelFileError};
+use crate::model_file::{
+    Effect, FileBody, FileJoint, Format, LeftOut, ModelFault, ModelFile, ModelFileError,
+};
 use crate::place::Place;
-use motion::Vec3;
+use motion::{Quat, Transform, Vec3};
 use nalgebra::{Matrix3, Point3};
 
 use super::{ImportError, ImportedJoint, solid};
@@ -30,8 +32,19 @@ pub fn masses(
     left_out: &mut Vec<LeftOut>,
 ) -> Result<Vec<MassOf>, ImportError> {
     let mut all = Vec::new();
+    // bodies whose own inertia no solid has, and why
+    let mut odd: Vec<(usize, ImportError)> = Vec::new();
     for (i, body) in file.bodies.iter().enumerate() {
-        all.push(if i == 0 && !base_counts { nothing() } else { mass_of(file, i, body, left_out)? });
+        if i == 0 && !base_counts {
+            all.push(nothing());
+            continue;
+        }
+        let (mass, fault) = mass_of(file, i, body, left_out)?;
+        all.push(mass);
+        odd.extend(fault.map(|fault| (i, fault)));
+    }
+    if !odd.is_empty() {
+        weigh_welded(file, &mut all, odd, left_out)?;
     }
     if let Some(total) = file.total_mass {
         let sum: f64 = all.iter().map(|m| m.0).sum();
@@ -55,18 +68,85 @@ pub fn masses(
     Ok(all)
 }
 
+/// Weighs bodies whose own inertia is no solid's together with all they are welded to: only the sum moves, and it is the sum
+/// that has to be a solid's. It is given to the innermost of them, the others weigh nothing.
+fn weigh_welded(
+    file: &ModelFile,
+    all: &mut [MassOf],
+    odd: Vec<(usize, ImportError)>,
+    left_out: &mut Vec<LeftOut>,
+) -> Result<(), ImportError> {
+    // a world that is scenery carries no mass of others; a root link that stands fast does
+    let scenery = file.format == Format::Mjcf;
+    // per body: the innermost of those it is welded to, and where it is in that one's frame
+    let mut welded: Vec<(usize, Transform)> = Vec::with_capacity(all.len());
+    for (i, body) in file.bodies.iter().enumerate() {
+        welded.push(match body.parent {
+            Some(parent) if body.joints.is_empty() && !(scenery && parent == 0) => {
+                let (top, there) = welded[parent];
+                (top, there * body.pose)
+            }
+            _ => (i, Transform::identity()),
+        });
+    }
+    let mut members: Vec<Vec<usize>> = vec![Vec::new(); all.len()];
+    for (i, (top, _)) in welded.iter().enumerate() {
+        members[*top].push(i);
+    }
+    for (i, fault) in odd {
+        let top = welded[i].0;
+        let members = std::mem::take(&mut members[top]);
+        if !members.is_empty() {
+            let mut sum = nothing();
+            for member in members {
+                let there = welded[member].1;
+                let (mass, com, inertia) = std::mem::replace(&mut all[member], nothing());
+                let inertia = turned(&there.rotation, &inertia);
+                let moved = (mass, (there * Point3::from(com)).coords, inertia);
+                // without mass on either side there is no common centre, but the inertia stays
+                sum = if sum.0 + mass == 0.0 { (0.0, com, sum.2 + inertia) } else { fuse(sum, moved) };
+            }
+            all[top] = sum;
+        }
+        let (mass, _, inertia) = all[top];
+        let mut reason = "no solid's; weighed with the bodies it is welded to";
+        if check(file, i, mass, &inertia, &file.bodies[i].place).is_err() {
+            if top != 0 {
+                return Err(fault);
+            }
+            // what never moves resists nothing
+            all[0] = nothing();
+            reason = "no solid's; it never moves and weighs nothing here";
+        }
+        left_out.push(LeftOut {
+            what: format!("inertial of body `{}`", title(file, i)),
+            reason,
+            effect: Effect::Look,
+            missing: None,
+            place: file.bodies[i].inertial.as_ref().map_or(&file.bodies[i].place, |n| &n.place).clone(),
+        });
+    }
+    Ok(())
+}
+
 fn nothing() -> MassOf {
     (0.0, Vec3::zeros(), Matrix3::zeros())
 }
 
-/// `<inertial>` or geoms: as MuJoCo, an inertial that shall give way to geoms gives way only to geoms that weigh something.
+fn turned(by: &Quat, inertia: &Matrix3<f64>) -> Matrix3<f64> {
+    let r = by.to_rotation_matrix();
+    r.matrix() * inertia * r.matrix().transpose()
+}
+
+/// `<inertial>` or geoms, and what is wrong with the inertia taken for itself. As MuJoCo, an inertial that shall give way to
+/// geoms gives way only to geoms that weigh something.
 fn mass_of(
     file: &ModelFile,
     at: usize,
     body: &FileBody,
     left_out: &mut Vec<LeftOut>,
-) -> Result<MassOf, ImportError> {
-    let Some(inertial) = &body.inertial else { return of_geoms(file, at, body) };
+) -> Result<(MassOf, Option<ImportError>), ImportError> {
+    let Some(inertial) = &body.inertial else { return Ok((of_geoms(file, at, body)?, None)) };
     if body.geoms_first {
         let geoms = of_geoms(file, at, body)?;
         if geoms.0 > 0.0 {
@@ -77,13 +157,19 @@ fn mass_of(
                 missing: None,
                 place: inertial.place.clone(),
             });
-            return Ok(geoms);
+            return Ok((geoms, None));
         }
     }
-    check(file, at, inertial.mass, &inertial.inertia, &inertial.place)?;
-    let r = inertial.pose.rotation.to_rotation_matrix();
-    let inertia = r.matrix() * inertial.inertia * r.matrix().transpose();
-    Ok((inertial.mass, inertial.pose.translation.vector, inertia))
+    let mass = inertial.mass;
+    let fault = match check(file, at, mass, &inertial.inertia, &inertial.place) {
+        // no sum with others mends these
+        Err(e) if !(mass >= 0.0 && mass.is_finite() && inertial.inertia.iter().all(|x| x.is_finite())) => {
+            return Err(e);
+        }
+        checked => checked.err(),
+    };
+    let inertia = turned(&inertial.pose.rotation, &inertial.inertia);
+    Ok(((mass, inertial.pose.translation.vector, inertia), fault))
 }
 
 fn of_geoms(file: &ModelFile, at: usize, body: &FileBody) -> Result<MassOf, ImportError> {
@@ -97,8 +183,7 @@ fn of_geoms(file: &ModelFile, at: usize, body: &FileBody) -> Result<MassOf, Impo
         let principal = solid::inertia_per_mass(&geom.shape).ok_or_else(mesh)? * mass;
         let own = Matrix3::from_diagonal(&principal);
         check(file, at, mass, &own, &geom.place)?;
-        let r = geom.pose.rotation.to_rotation_matrix();
-        let inertia = r.matrix() * own * r.matrix().transpose();
+        let inertia = turned(&geom.pose.rotation, &own);
         let com = (geom.pose * Point3::origin()).coords;
         sum = fuse(sum, (mass, com, inertia));
     }

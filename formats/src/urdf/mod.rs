@@ -17,13 +17,14 @@
 //! # What is listed
 //!
 //! As *look*, whatever they hold: `visual`, `material`, `sensor`, `transmission`, `safety_controller`, `calibration`, and what is
-//! for other programs: `gazebo`, `ros2_control`, `mujoco`, `plugin`.
+//! for other programs: `gazebo`, `ros2_control`, `mujoco`, `plugin`, `gravity` of a link.
 //! As *physics*: `dynamics` (damping, friction), meshes to collide with, elements with a prefix (`drake:…`),
-//! and elements that are not URDF but known from the field: `collision_checking`, `contact`.
+//! elements that are not URDF but known from the field (`collision_checking`, `contact`), and `mimic`: the joint is
+//! read as one that moves by itself.
 //!
 //! # What is refused in any case
 //!
-//! `mimic` (it takes away a degree of freedom), `planar` joints, `xacro` that was not expanded.
+//! `planar` joints, `xacro` that was not expanded.
 //!
 //! Source: wiki.ros.org/urdf/XML.
 

@@ -127,6 +127,9 @@ const LINK_PARTS: &[Part] = &[
     ("collision_checking", FOREIGN),
     ("self_collision_checking", FOREIGN),
     ("contact", FOREIGN),
+    ("surface", FOREIGN),
+    ("gravity", OTHERS),
+    ("self_collide", OTHERS),
     ("audio", FOREIGN),
 ];
 const SOLID_PARTS: &[Part] = &[
@@ -148,7 +151,8 @@ const JOINT_PARTS: &[Part] = &[
     ("dynamics", Taken),
     ("calibration", Listed(Effect::Look, "calibration of a sensor")),
     ("safety_controller", Listed(Effect::Look, "settings of a controller")),
-    ("mimic", Never("it takes a degree of freedom away; write the joint as fixed or without <mimic>")),
+    ("joint_properties", Taken),
+    ("mimic", Listed(Effect::Physics, "a joint that follows another one")),
 ];
 
 /// Reads the lists.
@@ -499,11 +503,13 @@ fn joint(element: &Element, left_out: &mut Vec<LeftOut>) -> Result<RobotJoint, M
         None => {}
     }
     let mut damping = 0.0;
-    if let Some(dynamics) = only(element, "dynamics")? {
+    // the second is the word of an old format for the first
+    for tag in ["dynamics", "joint_properties"] {
+        let Some(dynamics) = only(element, tag)? else { continue };
         let listed = left_out.len();
         leaf(dynamics, DYNAMICS, left_out)?;
         left_out[listed..].iter_mut().for_each(|item| item.what = format!("joint `{name}`: {}", item.what));
-        damping = Reader::new(dynamics).number("damping")?.unwrap_or(0.0);
+        damping = Reader::new(dynamics).number("damping")?.unwrap_or(damping);
     }
     let kind = match kind {
         "fixed" => RobotJointKind::Fixed,
