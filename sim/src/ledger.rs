@@ -98,3 +98,13 @@ impl Ledger {
         (self.correction_squared / self.steps.max(1) as f64).sqrt() * rate_hz
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_ledger_without_steps_is_zero() {
+        assert_eq!(Ledger::default().correction_rms_n(240.0), 0.0);
+    }
+}
