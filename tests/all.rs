@@ -3,6 +3,7 @@
 mod arrows;
 mod circles;
 mod laws;
+mod nothing;
 mod program;
 mod promises;
 mod scenes;

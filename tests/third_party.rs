@@ -82,3 +82,18 @@ fn third_party_has_the_texts() {
         assert!(text.len() > 400 && section.contains("\n- "), "{}", &section[..section.len().min(200)]);
     }
 }
+
+/// Archives and pictures are those of today: one `zip` of the ninth release or later, pictures written with `png` itself and not with
+/// the `image` that plotters would bring; one linear algebra.
+#[test]
+fn archives_and_pictures_are_of_today() {
+    let locked = locked();
+    let of = |name: &str| -> Vec<u32> {
+        let versions =
+            locked.iter().filter_map(|p| p.strip_prefix(name)?.strip_prefix(' ').map(str::to_owned));
+        versions.map(|v| v.split('.').next().unwrap().parse().expect("a version")).collect()
+    };
+    assert!(matches!(of("zip")[..], [major] if major >= 9), "zip {:?}", of("zip"));
+    assert!(of("image").is_empty(), "image {:?}", of("image"));
+    assert_eq!((of("nalgebra").len(), of("png").len()), (1, 1));
+}

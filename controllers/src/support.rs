@@ -181,6 +181,19 @@ mod tests {
         }
     }
 
+    /// Without feet nothing is shared; feet at one place carry it all between them, wherever the pressure is.
+    #[test]
+    fn shares_of_nothing_and_of_one_place() {
+        assert!(shares(&[], Vec2::zeros()).is_empty());
+        for feet in 1..4 {
+            for cop in [Vec2::zeros(), Vec2::new(1.0, -2.0)] {
+                let shares = shares(&vec![Vec3::zeros(); feet], cop);
+                let sum: f64 = shares.iter().sum();
+                assert!(shares.len() == feet && (sum - 1.0).abs() < 1e-15, "{shares:?}");
+            }
+        }
+    }
+
     /// A support narrower than its margin, an edge or nothing: the best there is.
     #[test]
     fn a_narrow_support_gives_its_centroid() {

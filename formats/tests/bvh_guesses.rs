@@ -210,3 +210,98 @@ fn units_are_sure_for_people_only() {
         assert!((units.height_m() - height).abs() < 1e-9);
     }
 }
+
+/// The walk 16_16 as a file, its trunk leaned forward by an angle in the zero pose: all that is not a leg is turned.
+fn leaned(deg: f64) -> Bvh {
+    let path = shared("mocap/bvh/16_16.bvh");
+    let mut bvh = Bvh::parse(&std::fs::read(&path).unwrap()).unwrap_or_else(|e| panic!("{e}"));
+    let turn = nalgebra::Rotation3::from_axis_angle(&nalgebra::Vector3::x_axis(), deg.to_radians());
+    let of_leg: Vec<bool> = (0..bvh.joints.len())
+        .map(|mut j| {
+            loop {
+                if bvh.joints[j].name.ends_with("HipJoint") {
+                    return true;
+                }
+                match bvh.joints[j].parent {
+                    Some(parent) => j = parent,
+                    None => return false,
+                }
+            }
+        })
+        .collect();
+    for (joint, leg) in bvh.joints.iter_mut().zip(of_leg) {
+        if !leg && joint.parent.is_some() {
+            let turned = turn * nalgebra::Vector3::from(joint.offset);
+            joint.offset = turned.into();
+        }
+    }
+    bvh
+}
+
+/// Left, front and soles are read from a zero pose whose trunk leans by up to 40°; one that leans further is no figure, and neither is
+/// a frame of a motion that leans with it.
+#[test]
+fn a_zero_pose_stands_up_to_its_threshold() {
+    let lean = |clip: &Clip| {
+        let s = &clip.skeleton;
+        let k = Kinematics::new(s, &s.zero_pose());
+        let at = |name: &str| k.origin(s.link(name).unwrap());
+        let middle = |a: &str, b: &str| (at(a) + at(b)) * 0.5;
+        let trunk = middle("LeftArm", "RightArm") - middle("LeftUpLeg", "RightUpLeg");
+        trunk.angle(&motion::Vec3::y()).to_degrees()
+    };
+    let (mut below, mut above) = (0, 0);
+    for tenth in 560..660 {
+        let deg = 0.1 * f64::from(tenth);
+        let found = lean(&read(&leaned(deg)).0);
+        // two files within a quarter of a degree of the threshold
+        if !(39.75..40.25).contains(&found) || (found < 40.0 && below > 0) || (found > 40.0 && above > 0) {
+            continue;
+        }
+        let (clip, _) = read(&leaned(deg));
+        let guessed = bodies::guess_body(&clip.skeleton, &bodies::BodyOptions::default());
+        if found < 40.0 {
+            below += 1;
+            guessed.unwrap_or_else(|e| panic!("{found}°: {e}"));
+        } else {
+            above += 1;
+            let words = guessed.map(|_| ()).unwrap_err().to_string();
+            assert!(words.contains("the trunk of the zero pose leans 40° (at most 40°)"), "{words}");
+            // the motion leans as well: no frame of it stands either
+            let clip = bodies::guess_body_of_clip(&clip, &bodies::BodyOptions::default());
+            let words = clip.map(|_| ()).unwrap_err().to_string();
+            assert!(words.contains("the trunk of the straightest frame leans"), "{words}");
+        }
+    }
+    assert_eq!((below, above), (1, 1));
+}
+
+/// A sole reaches to where the rig's toes end, if that is 0.09 to 0.115 statures ahead of the ankle, and to that end of the range
+/// otherwise: toes of any length give a sole that a person could have.
+#[test]
+fn soles_reach_to_the_toes_of_a_person() {
+    let path = shared("mocap/bvh/16_16.bvh");
+    let mut reaches = Vec::new();
+    for times in [0.2, 0.9, 1.0, 1.05, 3.0] {
+        let mut bvh = Bvh::parse(&std::fs::read(&path).unwrap()).unwrap_or_else(|e| panic!("{e}"));
+        for joint in bvh.joints.iter_mut().filter(|j| j.name.contains("ToeBase")) {
+            joint.offset = joint.offset.map(|x| times * x);
+        }
+        let (clip, _) = read(&bvh);
+        let (body, _) = bodies::guess_body(&clip.skeleton, &bodies::BodyOptions::default()).unwrap();
+        let k = Kinematics::new(&body.skeleton, &body.rest);
+        let point = |site: &str| {
+            let s = body.skeleton.site(site).unwrap();
+            k.point(s.link, &s.at)
+        };
+        let ankle = k.origin(body.skeleton.link("LeftFoot").unwrap());
+        let ball = (point("ball_l_in") + point("ball_l_out")) * 0.5;
+        reaches.push((ball - ankle).xz().norm());
+    }
+    println!("soles reach {reaches:.4?} m ahead of the ankles");
+    assert!(reaches.is_sorted(), "{reaches:?}");
+    // the ends of the range are the same for toes that hardly exist and for those three times as long
+    let (least, most) = (reaches[0], reaches[4]);
+    assert!((most / least - 0.115 / 0.09).abs() < 0.02, "{reaches:?}");
+    assert!(reaches[2] > least && reaches[2] < most, "{reaches:?}");
+}

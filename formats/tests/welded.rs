@@ -130,5 +130,8 @@ fn words_of_shared_robots_are_read_or_listed() {
 fn a_lone_link_is_read_and_not_written() {
     let robot = read("<robot name=\"tray\"><link name=\"tray\"/></robot>").unwrap();
     let words = formats::mjcf::write(&robot.character, &Default::default()).unwrap_err().to_string();
-    assert_eq!(words, "`tray` is one link without mass or shapes that never moves; an MJCF of it would hold no body");
+    assert_eq!(
+        words,
+        "`tray` is one link without mass or shapes that never moves; an MJCF of it would hold no body"
+    );
 }

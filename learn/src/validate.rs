@@ -69,7 +69,7 @@ pub fn leave_out(
 }
 
 /// RMS error of a model over the coordinates of given pairs (rows: F × D_Y, F × D_Z), each mapped by itself;
-/// in the units of the outputs.
+/// in the units of the outputs; zero of no pairs.
 ///
 /// # Errors
 /// As [`Regressor::predict`].
@@ -87,7 +87,7 @@ pub fn rms_error<R: Regressor + ?Sized>(
         model.predict(&input, &mut scratch, &mut out)?;
         sum += rms(&out.mean, &output).powi(2);
     }
-    Ok((sum / inputs.nrows() as f64).sqrt())
+    Ok((sum / inputs.nrows().max(1) as f64).sqrt())
 }
 
 /// RMS error at the pairs the model was fitted to, in the units of the outputs: the first criterion of YAH10
@@ -102,5 +102,18 @@ pub fn key_pose_error<R: Regressor + ?Sized>(model: &R) -> Result<f64, InputErro
 
 /// Root of the mean squared difference.
 fn rms(a: &[f64], b: &[f64]) -> f64 {
-    (crate::dense::distance_squared(a, b) / b.len() as f64).sqrt()
+    (crate::dense::distance_squared(a, b) / b.len().max(1) as f64).sqrt()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_error_of_nothing_is_zero() {
+        assert_eq!(
+            (rms(&[], &[]), rms(&[0.0; 3], &[0.0; 3]), rms(&[3.0, 4.0], &[0.0; 2])),
+            (0.0, 0.0, 12.5f64.sqrt())
+        );
+    }
 }

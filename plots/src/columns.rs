@@ -81,3 +81,16 @@ pub fn short(x: f64) -> String {
         _ => format!("{x:.0}"),
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_mean_of_nothing_is_zero() {
+        let (none, far) = (Vec3::zeros(), Vec3::new(3.0, 0.0, 4.0));
+        assert_eq!((rms([]), rms([&none; 3]), rms([&far])), (0.0, 0.0, 5.0));
+        // what was not measured does not count
+        assert_eq!(rms([&far, &Vec3::repeat(f64::NAN)]), 5.0);
+    }
+}

@@ -147,3 +147,25 @@ fn short(x: f64) -> String {
     let text = format!("{x:.2}");
     text.trim_end_matches('0').trim_end_matches('.').to_owned()
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// An axis has a length, also without runs and where all errors are zero or none is a number.
+    #[test]
+    fn the_worst_of_nothing_has_a_length() {
+        let point = TradePoint {
+            fidelity: 0.0,
+            force_rms_percent: 0.0,
+            force_peak_percent: 0.0,
+            budget_percent: 0.0,
+            error_mm: f64::NAN,
+            error_deg: 0.0,
+            stands: true,
+        };
+        for points in [&[][..], &[point][..]] {
+            assert_eq!((worst(points, |p| p.error_deg), worst(points, |p| p.error_mm)), (1e-3, 1e-3));
+        }
+    }
+}

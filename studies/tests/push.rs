@@ -112,3 +112,15 @@ fn a_body_that_does_not_stand_is_refused() {
     let e = why(&pushed_over);
     assert!(matches!(e, PushError::Unsteady { .. }) && !e.is_input(), "{e}");
 }
+
+/// What is done is told on the way: a fraction that never falls, in many steps, up to all of it.
+#[test]
+fn slow_a_map_tells_how_far_it_is() {
+    let told = std::sync::Mutex::new(Vec::new());
+    let test = PushTest::new(&standing(), quick(2), &EngineEntry::default()).unwrap();
+    test.map(&|fraction| told.lock().unwrap().push(fraction)).unwrap();
+    let told = told.into_inner().unwrap();
+    assert!(told.len() >= 8, "{told:?}");
+    assert!(told.windows(2).all(|w| w[1] >= w[0]) && told[0] < 0.5, "{told:?}");
+    assert_eq!(told.last(), Some(&1.0));
+}

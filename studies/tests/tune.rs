@@ -226,3 +226,27 @@ fn sections_are_checked() {
     let e = Cost::new(&stand_with("").unwrap(), &nothing, &EngineEntry::default()).err().unwrap().to_string();
     assert!(e.contains("nothing to cost"), "{e}");
 }
+
+/// A search tells its parts and how far each is: fractions that never fall within a part, the last is all of it.
+#[test]
+fn slow_a_search_tells_how_far_it_is() {
+    let take = stand_with("").unwrap();
+    let spec = quick(&["tension", "pressure"], &[(0.0, 0.9)]);
+    let search = Search { solver: SolverKind::CmaEs, seed: 3, evaluations: 12, start: None, step: 0.3 };
+    let session = tune::Session { spec, search, slices: 2, directions: 0, figures: true, fresh: true };
+    let folder = tempfile::tempdir().unwrap();
+    let mut told: Vec<(String, Vec<f64>)> = Vec::new();
+    let progress = takes::Progress::new(|event| match event {
+        takes::Event::Part(name) => told.push((name.to_owned(), Vec::new())),
+        takes::Event::Fraction(x) => told.last_mut().expect("a part").1.push(x),
+        takes::Event::Note(_) => {}
+    });
+    session.run(&take, &EngineEntry::default(), folder.path(), &mut |_| {}, &progress).unwrap();
+    drop(progress);
+    let parts: Vec<&str> = told.iter().map(|(name, _)| name.as_str()).collect();
+    assert_eq!(parts[..2], ["searching", "slicing"], "{told:?}");
+    for (name, fractions) in &told[..2] {
+        assert!(fractions.len() >= 2, "{name}: {fractions:?}");
+        assert!(fractions.is_sorted() && fractions.last() == Some(&1.0), "{name}: {fractions:?}");
+    }
+}

@@ -36,7 +36,11 @@ fn slow_verdicts_are_graded() {
     assert_eq!(kick.grade(), Grade::But, "{kick}");
     assert!(has(&kick, "keys ignored") && kick.to_string().contains("planted"), "{kick}");
     let hops = verdict("push_door.ron");
-    assert_ne!(hops.grade(), Grade::AsAsked, "{hops}");
+    assert_eq!(hops.grade(), Grade::But, "{hops}");
+    // 19 mm of slip, 0.10 s in the air, 3.5 × body weight seen
+    for name in ["feet slid", "left the ground", "landed hard"] {
+        assert!(has(&hops, name), "{name}: {hops}");
+    }
     for reason in &hops.reasons {
         assert!(reason.value > reason.limit, "{reason:?}");
     }

@@ -122,6 +122,33 @@ fn slow_the_pelvis_goes_where_it_is_keyed() {
     }
 }
 
+/// A root keyed where no sole can carry it gives way; where it leaves the pressure outside all the same, it is said from when and
+/// by how much, and not where it does not.
+#[test]
+fn a_motion_that_soles_cannot_carry_says_from_when() {
+    let of = |keys: &str| {
+        let take = text(&format!(
+            "Scene(character: \"characters/human.ron\", root: Free, script: [Action(name: \"a\", cycles: [Cycle(poses: [
+                Pose(duration_s: 1.2, hold_s: 0.5, set_m: {{ {keys} }}), Pose(duration_s: 1),
+            ])])])"
+        ));
+        let shifted = take.asked.shifted.expect("the root gives way");
+        println!("{keys}: {shifted}");
+        shifted
+    };
+    let left = of("\"pelvis_z\": 0.6");
+    let (from_s, by_m) = left.outside.expect("it is outside while it hurries");
+    // the pelvis is on its way from 0 to 1.2 s; 8 mm at 0.57 s seen
+    assert!(from_s > 0.3 && from_s < 1.2 && by_m > 5e-3 && by_m < 0.03, "{left:?}");
+    assert!(
+        left.to_string().contains(&format!("from {from_s:.1} s it asks for a centre of pressure")),
+        "{left}"
+    );
+    assert!(left.from_s < from_s && left.by_m > 0.3, "{left:?}");
+    let carried = of("\"pelvis_x\": 0.5");
+    assert!(carried.outside.is_none() && carried.by_m > 0.3, "{carried:?}");
+}
+
 /// A key at rest gives the coordinate back to the balance; a key holds whatever the balance would do.
 #[test]
 fn a_key_at_rest_gives_the_pelvis_back() {
@@ -210,6 +237,51 @@ fn slow_performances_perform() {
         // 48 mm in the hurry of the walk, 23 mm elsewhere; legs that only heard of their rest pose were 0.7 m away
         assert!(worst < 0.06, "{}: {name} is {worst} m from where it was asked", take.name);
     }
+}
+
+/// A body whose root is pinned sits down and gets up: feet stay where they are, knees bend as asked, nothing kneels.
+#[test]
+fn a_pinned_body_sits() {
+    let take = text(
+        "Scene(character: \"characters/human.ron\", root: Pinned, script: [Action(name: \"sit\", cycles: [Cycle(poses: [
+            Pose(duration_s: 1, hold_s: 1, set_m: { \"pelvis_y\": -0.36, \"pelvis_z\": -0.28 }, set_deg: { \"chest\": (12, 0, 0) }),
+            Pose(duration_s: 1, rest: [\"pelvis_y\", \"pelvis_z\", \"chest\"]),
+        ])])])",
+    );
+    let out = perform(&take);
+    let t = &out.trace;
+    let s = &t.character.skeleton;
+    let home = Kinematics::new(s, &t.character.rest);
+    let (mut slid, mut lifted) = (0.0f64, 0.0f64);
+    for row in 0..t.rows() {
+        let now = Kinematics::new(s, t.pose(row));
+        for leg in t.character.legs() {
+            let off = now.origin(leg.end) - home.origin(leg.end);
+            (slid, lifted) = (slid.max(off.x.hypot(off.z)), lifted.max(off.y.abs()));
+        }
+    }
+    let bent = |row: usize| {
+        let now = Kinematics::new(s, t.pose(row));
+        t.character
+            .legs()
+            .map(|leg| {
+                let [hip, knee, ankle] = [leg.upper, leg.lower, leg.end].map(|l| now.origin(l));
+                (hip - knee).angle(&(ankle - knee)).to_degrees()
+            })
+            .collect::<Vec<f64>>()
+    };
+    let at = |s: f64| (s * t.rate_hz) as usize;
+    println!(
+        "feet slide {:.1} mm, lift {:.1} mm; knees {:.0?} seated, {:.0?} at the end",
+        1e3 * slid,
+        1e3 * lifted,
+        bent(at(1.6)),
+        bent(t.rows() - 1)
+    );
+    // 9 mm seen; a body that kneels has its ankles 0.3 m behind
+    assert!(slid < 0.03 && lifted < 0.03, "{slid} {lifted}");
+    assert!(bent(at(1.6)).iter().all(|deg| (60.0..110.0).contains(deg)), "{:?}", bent(at(1.6)));
+    assert!(bent(t.rows() - 1).iter().all(|deg| *deg > 150.0));
 }
 
 /// Largest angle of a joint beyond its limits over a trace, degrees, and fastest, rad/s.

@@ -136,6 +136,96 @@ fn selections() {
     }
 }
 
+/// From where a strip is drawn: every word and an angle give a picture of their own, the same as that of the word's angle, for
+/// `plot` as for `render`; what is neither is refused with all of them.
+#[test]
+fn views_of_a_strip() {
+    let place = Place::new();
+    let scene = place.scene("", "");
+    let scene = scene.to_str().unwrap();
+    let done = place.run(&["render", scene, "--no-plots", "--out", "run"]);
+    assert_eq!(done.code, 0, "{}", done.stderr);
+    let strip = |view: &str| {
+        let done =
+            place.run(&["plot", "run", "--what", "strip", "--view", view, "--out", "x.svg", "--force"]);
+        assert_eq!(done.code, 0, "{view}: {}", done.stderr);
+        std::fs::read_to_string(place.at("x.svg")).unwrap()
+    };
+    let [front, side, between, other] = ["front", "side", "three-quarter", "-20"].map(strip);
+    let all = [&front, &side, &between, &other];
+    for (i, a) in all.iter().enumerate() {
+        assert!(all[..i].iter().all(|b| a != b), "view {i} looks like another");
+    }
+    assert!(front == strip("0") && side == strip("90") && between == strip("38"));
+    let drawn = |view: &str| {
+        let done = place.run(&["render", scene, "--kinematic", "--view", view, "--out", "drawn", "--force"]);
+        assert_eq!(done.code, 0, "{view}: {}", done.stderr);
+        std::fs::read_to_string(place.at("drawn/plots/strip_edited.svg")).unwrap()
+    };
+    assert!(drawn("front") == drawn("0") && drawn("front") != drawn("side"));
+    for command in ["plot", "render"] {
+        let input = if command == "plot" { "run" } else { scene };
+        let done = place.run(&[command, input, "--view", "above"]);
+        assert_eq!(done.code, 2);
+        for words in ["`above` is no view", "front, side, three-quarter, or degrees from -360 to 360"] {
+            assert!(done.stderr.contains(words), "{words}: {}", done.stderr);
+        }
+    }
+}
+
+/// A lamp in its colours: `plot` draws it from the trace as `render` drew it.
+#[test]
+fn a_strip_keeps_the_colors_of_the_character() {
+    let place = Place::new();
+    let lamp = std::fs::read_to_string(support::scene("characters/lamp.ron")).unwrap();
+    place.write("characters/lamp.ron", &lamp);
+    let scene = r#"Scene(character: "characters/lamp.ron", rate_hz: 60, root: Pinned, settle_s: 0.1)"#;
+    place.write("lamp.ron", scene);
+    let done = place.run(&["render", "lamp.ron", "--out", "run"]);
+    assert_eq!(done.code, 0, "{}", done.stderr);
+    let fills = |svg: &str| {
+        let text = std::fs::read_to_string(place.at(svg)).unwrap();
+        let colors = text.split("fill=\"#").skip(1).filter_map(|rest| rest.get(..6).map(str::to_owned));
+        colors.collect::<std::collections::BTreeSet<String>>()
+    };
+    let drawn = fills("run/plots/strip_dynamic.svg");
+    let done = place.run(&["plot", "run", "--what", "strip", "--out", "strip.svg"]);
+    assert_eq!(done.code, 0, "{}", done.stderr);
+    // 61 shades; a body without colours has those of its sides
+    assert!(drawn.len() > 20 && fills("strip.svg") == drawn, "{drawn:?}");
+    let gray = lamp.lines().filter(|line| !line.trim_start().starts_with("color:")).collect::<Vec<_>>();
+    let gray: String = gray.join("\n");
+    let mut plain = gray.clone();
+    while let Some(at) = plain.find("color: \"#") {
+        plain.replace_range(at..at + "color: \"#000000\",".len(), "");
+    }
+    place.write("characters/lamp.ron", &plain);
+    let done = place.run(&["render", "lamp.ron", "--out", "gray"]);
+    assert_eq!(done.code, 0, "{}", done.stderr);
+    assert!(fills("gray/plots/strip_dynamic.svg") != drawn);
+}
+
+/// Without weight there is no share of it, and no ground holds anything: every figure of such a run is drawn, with numbers.
+#[test]
+fn a_run_without_gravity_is_drawn() {
+    let place = Place::new();
+    place.write("characters/human.ron", &crate::place::human());
+    let scene = std::fs::read_to_string(support::shared("cases/scenes/zero_g.ron")).unwrap();
+    place.write("zero_g.ron", &scene);
+    let done = place.run(&["render", "zero_g.ron", "--out", "run", "--no-plots"]);
+    assert_eq!(done.code, 0, "{}", done.stderr);
+    let done = place.run(&["plot", "run", "--json"]);
+    let v = json(&done);
+    assert!(v["figures"].as_array().unwrap().len() >= EACH.len() - 1, "{v:#}");
+    for (name, bytes) in place.files("run/plots") {
+        let text = String::from_utf8_lossy(&bytes);
+        assert!(!name.ends_with(".svg") || !(text.contains("NaN") || text.contains("inf")), "{name}");
+    }
+    let done = place.run(&["analyze", "run", "--no-plots", "--json", "--out", "analysis"]);
+    assert_eq!(done.code, 0, "{}", done.stderr);
+    assert!(!done.stdout.contains("NaN"));
+}
+
 #[track_caller]
 fn refused(place: &Place, args: &[&str], words: &[&str]) {
     let before = place.files("");

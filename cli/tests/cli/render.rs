@@ -410,3 +410,36 @@ fn a_clip_with_its_written_body() {
     let rms = |r: &serde_json::Value| field(r, "dynamic.joint_rms_deg").as_f64().unwrap();
     assert!((rms(&guessed) - rms(&written)).abs() < 1e-3, "{} {}", rms(&guessed), rms(&written));
 }
+
+/// What was guessed of soles and masses gives way to a body that a person has edited: its numbers are those of the run.
+#[test]
+fn a_clip_with_an_edited_body() {
+    let place = Place::new();
+    let clip = place.clip("", "");
+    let done = place.run(&["inspect", clip.to_str().unwrap(), "--write-body", "body.ron"]);
+    assert_eq!(done.code, 0, "{}", done.stderr);
+    let soles = |text: &str| -> Vec<String> {
+        let of = text.lines().filter(|l| l.contains("Site(name: \"ball_"));
+        of.map(|l| l.split("at_m: (").nth(1).unwrap().split(')').next().unwrap().to_owned()).collect()
+    };
+    let written = std::fs::read_to_string(place.at("body.ron")).unwrap();
+    let mut edited = written.clone();
+    let found = soles(&written);
+    assert_eq!(found.len(), 4, "{found:?}");
+    // the soles end 8 cm further back: the body stands on its heels
+    for at in &found {
+        let mut numbers: Vec<f64> = at.split(", ").map(|x| x.parse().unwrap()).collect();
+        numbers[2] -= 0.08;
+        let now = numbers.iter().map(f64::to_string).collect::<Vec<_>>().join(", ");
+        edited = edited.replace(at, &now);
+    }
+    place.write("body.ron", &edited);
+    let margin = |body: &[&str]| {
+        let done = place.render(&clip, &[&["--root", "pinned", "--force"], body].concat());
+        assert_eq!(done.code, 0, "{}", done.stderr);
+        let trace = place.run(&["plot", "out", "--what", "com", "--json", "--out", "com.svg", "--force"]);
+        assert_eq!(trace.code, 0, "{}", trace.stderr);
+        trace.stdout
+    };
+    assert!(margin(&[]) != margin(&["--body", "body.ron"]), "the soles of the file are not used");
+}

@@ -1,7 +1,8 @@
-//! What the marks of a page say: where faces look, which sign a torque has, whose colour a limb is in.
+//! What the marks of a page say: where faces look, which sign a torque has, whose colour a limb is in, from which side a strip is seen.
 
 mod colors;
 mod heads;
+mod sides;
 mod torques;
 
 use plots::Figure;

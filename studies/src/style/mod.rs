@@ -35,9 +35,10 @@ pub struct Moved {
 }
 
 impl Moved {
-    /// Share of the gap that is closed at amount 1.
+    /// Share of the gap that is closed at amount 1; zero where base and donor do not differ.
     pub fn share(&self) -> f64 {
-        (self.values[AMOUNTS.len() - 1] - self.ends[0]) / (self.ends[1] - self.ends[0])
+        let gap = self.ends[1] - self.ends[0];
+        if gap == 0.0 { 0.0 } else { (self.values[AMOUNTS.len() - 1] - self.ends[0]) / gap }
     }
 
     /// Whether it goes one way as the amount grows.
@@ -188,5 +189,18 @@ impl Outcome {
             self.jerk,
             if lost.is_empty() { "–".into() } else { lost.join(", ") }
         )
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Between a base and a donor that are alike there is no gap to close.
+    #[test]
+    fn no_share_of_no_gap_is_closed() {
+        let moved = |ends| Moved { measure: Measure::TrunkPitch, ends, values: vec![1.0; AMOUNTS.len()] };
+        assert_eq!(moved([1.0, 1.0]).share(), 0.0);
+        assert_eq!(moved([0.0, 2.0]).share(), 0.5);
     }
 }

@@ -196,3 +196,103 @@ fn spans(mut of: Vec<[f64; 2]>) -> String {
     let rest = if more > 0 { format!(" and {more} more") } else { String::new() };
     shown.join(", ") + &rest
 }
+
+#[cfg(test)]
+mod tests {
+    use retarget::{Bounds, Step, Turned};
+
+    use super::*;
+
+    /// A stage far within its bounds.
+    fn step() -> StepReport {
+        let bounds = Bounds {
+            joint_rad: 0.5,
+            swaying_rad: 0.5,
+            root_share: 0.1,
+            root_rad: 0.2,
+            speed: 3.0,
+            acceleration: 5.0,
+            deep_elsewhere: false,
+            saturate: true,
+        };
+        let joint = Some(Turned { link: "knee_l".into(), at_s: 1.25, rad: 0.2 });
+        StepReport {
+            step: Step::Contact,
+            bounds,
+            root_bound_m: 0.15,
+            joint,
+            nearest_bound: 0.4,
+            root_m: 0.06,
+            root_rad: 0.05,
+            speed: 1.5,
+            acceleration: 2.0,
+            penetration_m: [0.0; 2],
+            held_back_s: Vec::new(),
+        }
+    }
+
+    fn said(step: &StepReport) -> Vec<String> {
+        let mut out = Vec::new();
+        of_stage(step, &mut out);
+        out
+    }
+
+    /// Each bound is said from 95 % of it on, with what was reached and what is allowed, and not below.
+    #[test]
+    fn a_bound_is_said_where_it_is_reached() {
+        assert!(said(&step()).is_empty());
+        for (nearest_bound, lines) in [(0.949, 0), (0.951, 1)] {
+            let at = StepReport { nearest_bound, ..step() };
+            assert_eq!(said(&at).len(), lines, "{nearest_bound}");
+        }
+        assert_eq!(
+            said(&StepReport { nearest_bound: 1.0, ..step() }),
+            [
+                "contact is at a bound: knee_l turned 11° at 1.25 s, the root moved 60 mm and turned 3° (allowed: joints 29°, the root 150 mm and 11°)"
+            ]
+        );
+        for (speed, acceleration, lines) in [(2.84, 4.74, 0), (2.86, 2.0, 1), (1.5, 4.76, 1)] {
+            let fast = StepReport { speed, acceleration, ..step() };
+            assert_eq!(said(&fast).len(), lines, "{speed} {acceleration}");
+        }
+        assert_eq!(
+            said(&StepReport { speed: 2.95, ..step() }),
+            [
+                "contact is at a bound: 3.0 × as fast as the motion before, 2.0 × the acceleration (allowed: 3 ×, 5 ×)"
+            ]
+        );
+    }
+
+    /// Where a stage was held back, the times are said instead of the ratio; near ones are joined, of many the first four.
+    #[test]
+    fn times_in_which_a_stage_was_held_back_are_said() {
+        let held_back_s = vec![[2.0, 2.5], [0.5, 1.0], [1.01, 1.2]];
+        let held = said(&StepReport { speed: 3.0, held_back_s, ..step() });
+        assert_eq!(held.len(), 1);
+        assert!(held[0].starts_with("contact was held back (0.50–1.20 s, 2.00–2.50 s): "), "{held:?}");
+        assert!(held[0].contains("more than 3 × as fast") && held[0].contains("accelerated more than 5 ×"));
+        let many = (0..6).map(|i| [f64::from(i), f64::from(i) + 0.5]).collect();
+        let held = said(&StepReport { held_back_s: many, ..step() });
+        assert!(held[0].contains("3.00–3.50 s and 2 more"), "{held:?}");
+    }
+
+    /// A flight that falls below 80 % of the stage before is said with the stage, one that keeps it is not.
+    #[test]
+    fn a_flight_that_falls_is_said() {
+        let of = |contact: f64, refine: f64| {
+            let heights_m = vec![
+                (PipelineStage::Map, 0.0),
+                (PipelineStage::Global, 0.1),
+                (PipelineStage::Contact, contact),
+                (PipelineStage::Refine, refine),
+            ];
+            let mut out = Vec::new();
+            of_flight(&FlightReport { from_s: 1.0, to_s: 1.4, scaled_m: 0.1, heights_m }, &mut out);
+            out
+        };
+        assert!(of(0.1, 0.085).is_empty());
+        assert_eq!(of(0.1, 0.05), ["the flight from 1.00 to 1.40 s falls from 100 to 50 mm with `refine`"]);
+        assert_eq!(of(0.06, 0.055).len(), 1);
+        assert_eq!(of(0.06, 0.02).len(), 2);
+    }
+}
