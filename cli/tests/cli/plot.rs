@@ -158,7 +158,7 @@ fn views_of_a_strip() {
     }
     assert!(front == strip("0") && side == strip("90") && between == strip("38"));
     let drawn = |view: &str| {
-        let done = place.run(&["render", scene, "--kinematic", "--view", view, "--out", "drawn", "--force"]);
+        let done = place.run(&["render", scene, "--kinematic", "--view", view, "--out", "drawn"]);
         assert_eq!(done.code, 0, "{view}: {}", done.stderr);
         std::fs::read_to_string(place.at("drawn/plots/strip_edited.svg")).unwrap()
     };

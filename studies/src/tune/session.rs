@@ -155,7 +155,8 @@ impl Session {
         known(before.len());
         progress.part("searching");
         let mut keep = |samples: &[Sample]| {
-            progress.at(samples.len() as f64 / how.evaluations as f64);
+            // the last generation may go beyond what was asked for
+            progress.at((samples.len() as f64 / how.evaluations as f64).min(1.0));
             state.keep(spec, samples)
         };
         let n = spec.parameters.len();
