@@ -6,7 +6,7 @@ use std::sync::Arc;
 
 use edits::by_example::model::ExampleFrame;
 use edits::by_example::review::{LEAST_APART_RAD, contradictions, key_next};
-use edits::by_example::{ByExample, ExampleEdit, ExampleOptions, Pair};
+use edits::by_example::{ByExample, ExampleEdit, ExampleOptions, Outputs, Pair};
 use edits::{Motion, Where};
 use formats::bvh::ImportOptions;
 use motion::Clip;
@@ -70,6 +70,22 @@ fn identity_is_exact() {
         let error = worst_deg(&source, &applied(&edit, &source));
         assert!(error < 0.1, "{name}: {error}°");
     }
+}
+
+/// The paper's own form, poses with its weights: a run comes out as a walk would (21° RMS seen), which differences do not do.
+#[test]
+fn poses_as_printed_change_a_run() {
+    let same =
+        |names: &[&str]| -> Vec<Pair> { names.iter().map(|n| Pair::new(*n, clip(n), clip(n))).collect() };
+    let (training, run) = (same(&TRAINING), same(&[RUN]));
+    let others_deg = |outputs| {
+        let options = ExampleOptions { outputs, gate: false, ..ExampleOptions::default() };
+        error(Way::Gp, &training, &run, 160, &options).unwrap().others_deg
+    };
+    let differences = others_deg(Outputs::Differences);
+    assert!(differences < 1e-9, "{differences}");
+    let poses = others_deg(Outputs::Poses);
+    assert!(poses > 5.0, "{poses}");
 }
 
 /// Targets that are the sources with 0.5° of noise about each axis of each joint: nothing consistent, so little is done.

@@ -3,7 +3,7 @@
 //! In: [`Pair`]s. Out: an [`ExampleEdit`], and from it, for a clip, an [`Answer`]: the blended differences of every frame with how sure
 //! they are.
 //!
-//! *Configuration*: from x^(k) to the differences of [`super::outputs`]. *Acceleration*: from x^(a) to their second derivatives by time,
+//! *Configuration*: from x^(k) to the differences of [`super::outputs`] (or, with [`Outputs::Poses`], to the target itself). *Acceleration*: from x^(a) to their second derivatives by time,
 //! of the frames of the pair, from parabolas over 0.125 s. Speeds and rates of configurations are means over the same time. Both share three hyperparameters each over all outputs.
 //!
 //! *Novelty*: the distance of a frame's x^(k) to the nearest example, over the 99th percentile of the distances that the examples
@@ -22,7 +22,7 @@ use serde::{Deserialize, Serialize};
 use super::features::{Features, Orientation, mirror_acceleration, mirror_configuration};
 use super::rig::{Rig, RigFile};
 use super::solve::{Evidence, Form, Weights, blend};
-use super::{Contacts, ExampleError, Pair, outputs};
+use super::{Contacts, ExampleError, Outputs, Pair, outputs, poses};
 
 /// Neighbours in time do not tell how dense examples lie: those closer than this, ms.
 pub const APART_MS: u32 = 500;
@@ -62,6 +62,9 @@ pub fn gates(novelty: &[f64], rate_hz: f64) -> Vec<f64> {
 pub struct ExampleOptions {
     /// What predicts.
     pub estimator: ExampleMethod,
+    /// What is learned of a target: its difference to the source, or itself as in the paper ([`poses`]).
+    #[serde(with = "word")]
+    pub outputs: Outputs,
     /// What is removed of the root's orientation in features.
     #[serde(with = "word")]
     pub orientation: Orientation,
@@ -85,6 +88,7 @@ impl Default for ExampleOptions {
     fn default() -> Self {
         Self {
             estimator: ExampleMethod::default(),
+            outputs: Outputs::default(),
             orientation: Orientation::default(),
             weights: Weights::default(),
             examples_hz: 30.0,
@@ -278,20 +282,32 @@ impl ExampleEdit {
         let predict = |model: &ExampleModel, inputs: &DMatrix<f64>| {
             model.predict_batch(inputs).map_err(|source| ExampleError::Input { frame: 0, source })
         };
-        let k = predict(&self.configuration, &features.configuration)?;
-        let a = predict(&self.acceleration, &features.acceleration)?;
+        let mut k = predict(&self.configuration, &features.configuration)?;
+        let mut a = predict(&self.acceleration, &features.acceleration)?;
+        let step_s = 1.0 / clip.rate_hz;
+        let mut signals = [&self.configuration, &self.acceleration].map(signal);
+        // of poses, the blend finds what is to be added to those of the source
+        let source = (self.options.outputs == Outputs::Poses).then(|| poses::of(rig, clip, None));
+        if let Some(source) = &source {
+            k.mean -= source;
+            a.mean -= poses::accelerations(source, step_s);
+            signals = [1.0; 2];
+        }
+        let to_differences = |d: DMatrix<f64>| match &source {
+            Some(source) => poses::differences(rig, source, &(d + source)),
+            None => d,
+        };
         let kept = if self.options.gate { gates(&k.novelty, clip.rate_hz) } else { vec![1.0; frames.len()] };
-        let predicted = k.mean.clone();
+        let predicted = to_differences(k.mean.clone());
         let w = &self.options.weights;
         let unsure = k.variance.iter().map(|v| v.sqrt()).collect();
         let novelty = k.novelty.clone();
-        let evidence = |of: Batch, model: &ExampleModel, learned, source| {
-            Evidence::new(of.mean, &of.variance, signal(model), learned, source)
+        let evidence = |of: Batch, signal, learned, source| {
+            Evidence::new(of.mean, &of.variance, signal, learned, source)
         };
-        let configuration = evidence(k, &self.configuration, w.configuration, w.source);
-        let acceleration = evidence(a, &self.acceleration, w.acceleration, w.source_acceleration);
-        let step_s = 1.0 / clip.rate_hz;
-        let mut differences = blend(&configuration, &acceleration, step_s);
+        let configuration = evidence(k, signals[0], w.configuration, w.source);
+        let acceleration = evidence(a, signals[1], w.acceleration, w.source_acceleration);
+        let mut differences = to_differences(blend(&configuration, &acceleration, step_s));
         for (f, g) in kept.iter().enumerate() {
             differences.row_mut(f).scale_mut(*g);
         }
@@ -356,11 +372,12 @@ impl Rows {
             let target = Rig::find(file, &pair.target.skeleton).map_err(named)?;
             let frames = pair.examples(options.examples_hz)?;
             let features = Features::of(&source, &pair.source, &frames, options.orientation);
-            let d = outputs::differences(
-                (&source, &pair.source),
-                (&target, &pair.target),
-                pair.times_s.as_deref(),
-            );
+            let (from, to, times) =
+                ((&source, &pair.source), (&target, &pair.target), pair.times_s.as_deref());
+            let d = match options.outputs {
+                Outputs::Differences => outputs::differences(from, to, times),
+                Outputs::Poses => poses::of(to.0, to.1, times),
+            };
             let rate_hz = pair.source.rate_hz;
             let last = d.nrows() - 1;
             let half = ((0.5 * super::features::APART_S * rate_hz).round() as usize).max(1);

@@ -29,19 +29,19 @@ use super::rig::{Moves, Rig, RigFile, Signed};
 /// Columns after those of the joints.
 pub(super) const ROOT: usize = 8;
 /// Among them: first of the tilt, height, sideways, forward, turn, time.
-const TILT: usize = 0;
-const HEIGHT: usize = 3;
+pub(super) const TILT: usize = 0;
+pub(super) const HEIGHT: usize = 3;
 const SIDEWAYS: usize = 4;
 const FORWARD: usize = 5;
 const TURN: usize = 6;
-const TIME: usize = 7;
+pub(super) const TIME: usize = 7;
 
 /// Number of columns.
 pub fn width(rig: &Rig) -> usize {
     joints_width(rig) + ROOT
 }
 
-fn joints_width(rig: &Rig) -> usize {
+pub(super) fn joints_width(rig: &Rig) -> usize {
     rig.joints().iter().map(|(_, m)| m.width()).sum()
 }
 
@@ -100,7 +100,6 @@ pub fn differences(source: (&Rig, &Clip), target: (&Rig, &Clip), times_s: Option
     let frames = from.frames();
     assert_eq!(frames, to.frames(), "frames of a pair");
     let mut out = DMatrix::zeros(frames, width(rig));
-    let step_s = 1.0 / from.rate_hz;
     let root = joints_width(rig);
     let paths = [Path::of(rig, from), Path::of(other, to)];
     for f in 0..frames {
@@ -119,30 +118,47 @@ pub fn differences(source: (&Rig, &Clip), target: (&Rig, &Clip), times_s: Option
         let tilt = paths[0].tilts[f].inverse() * paths[1].tilts[f];
         write3(&mut out, f, root + TILT, &log(&tilt));
         out[(f, root + HEIGHT)] = paths[1].places[f].y / other.size_m - paths[0].places[f].y / rig.size_m;
-        let step = f.min(frames.saturating_sub(2));
         if frames > 1 {
-            let (s, t) = (paths[0].step(step), paths[1].step(step));
-            out[(f, root + SIDEWAYS)] = (t.0.x / other.size_m - s.0.x / rig.size_m) / step_s;
-            out[(f, root + FORWARD)] = (t.0.z / other.size_m - s.0.z / rig.size_m) / step_s;
-            out[(f, root + TURN)] = (t.1 - s.1) / step_s;
-            if let Some(times) = times_s {
-                out[(f, root + TIME)] = ((times[step + 1] - times[step]) / step_s).ln();
-            }
+            let step = f.min(frames - 2);
+            let (s, t) = (paths[0].rates(step, from.rate_hz), paths[1].rates(step, from.rate_hz));
+            out[(f, root + SIDEWAYS)] = t.x / other.size_m - s.x / rig.size_m;
+            out[(f, root + FORWARD)] = t.z / other.size_m - s.z / rig.size_m;
+            out[(f, root + TURN)] = t.y - s.y;
+            out[(f, root + TIME)] = times_s.map_or(0.0, |times| log_step(times, f, from.rate_hz));
         }
     }
-    let mut column = 0;
-    for (_, moves) in rig.joints() {
-        if *moves == Moves::Ball {
-            continue_over_pi(&mut out, column);
-        }
-        column += moves.width();
-    }
-    continue_over_pi(&mut out, root + TILT);
+    continue_all(rig, &mut out);
     out
 }
 
+/// Logarithm of the time from frame `f` to the next over that of the rate; of the step before it at the last frame.
+pub(super) fn log_step(times: &[f64], f: usize, rate_hz: f64) -> f64 {
+    let Some(last_step) = times.len().checked_sub(2) else { return 0.0 };
+    let step = f.min(last_step);
+    ((times[step + 1] - times[step]) * rate_hz).ln()
+}
+
+/// First columns of the joints that are balls.
+pub(super) fn balls(rig: &Rig) -> Vec<usize> {
+    let mut column = 0;
+    let mut out = Vec::new();
+    for (_, moves) in rig.joints() {
+        if *moves == Moves::Ball {
+            out.push(column);
+        }
+        column += moves.width();
+    }
+    out
+}
+
+/// Continues the rotation vectors of all joints and of the lean over ±π.
+pub(super) fn continue_all(rig: &Rig, out: &mut DMatrix<f64>) {
+    balls(rig).into_iter().for_each(|column| continue_over_pi(out, column));
+    continue_over_pi(out, joints_width(rig) + TILT);
+}
+
 /// The angle of a hinge, or the way of a slide in sizes.
-fn axis(rig: &Rig, q: &[f64], link: usize) -> f64 {
+pub(super) fn axis(rig: &Rig, q: &[f64], link: usize) -> f64 {
     let x = q[rig.skeleton().q_at(link)];
     match rig.skeleton().links()[link].joint {
         Joint::Prismatic(_) => x / rig.size_m,
@@ -150,13 +166,13 @@ fn axis(rig: &Rig, q: &[f64], link: usize) -> f64 {
     }
 }
 
-fn write3(out: &mut DMatrix<f64>, row: usize, column: usize, v: &Vec3) {
+pub(super) fn write3(out: &mut DMatrix<f64>, row: usize, column: usize, v: &Vec3) {
     for c in 0..3 {
         out[(row, column + c)] = v[c];
     }
 }
 
-fn read3(d: &DMatrix<f64>, row: usize, column: usize) -> Vec3 {
+pub(super) fn read3(d: &DMatrix<f64>, row: usize, column: usize) -> Vec3 {
     Vec3::new(d[(row, column)], d[(row, column + 1)], d[(row, column + 2)])
 }
 
@@ -178,14 +194,14 @@ fn continue_over_pi(out: &mut DMatrix<f64>, column: usize) {
 }
 
 /// The path of a root: where it is, which way it faces, how it leans.
-struct Path {
-    places: Vec<Vec3>,
+pub(super) struct Path {
+    pub places: Vec<Vec3>,
     headings: Vec<Quat>,
-    tilts: Vec<Quat>,
+    pub tilts: Vec<Quat>,
 }
 
 impl Path {
-    fn of(rig: &Rig, clip: &Clip) -> Self {
+    pub fn of(rig: &Rig, clip: &Clip) -> Self {
         let zero = clip.skeleton.links()[0].parent_from_zero;
         let place = |f: usize| zero * nalgebra::Point3::from(clip.skeleton.position(clip.pose(f), 0));
         let headings = headings(rig, clip);
@@ -203,6 +219,12 @@ impl Path {
     fn step(&self, f: usize) -> (Vec3, f64) {
         let way = self.headings[f].inverse() * (self.places[f + 1] - self.places[f]);
         (way, log(&(self.headings[f].inverse() * self.headings[f + 1])).y)
+    }
+
+    /// Sideways and forward speed (x, z; m/s) and turn (y; rad/s) from this frame to the next.
+    pub fn rates(&self, f: usize, rate_hz: f64) -> Vec3 {
+        let (way, turn) = self.step(f);
+        Vec3::new(way.x, turn, way.z) * rate_hz
     }
 }
 
