@@ -19,7 +19,10 @@ use motion::names::Word;
 use nalgebra::DMatrix;
 use serde::{Deserialize, Serialize};
 
-use super::features::{Features, Orientation, mirror_acceleration, mirror_configuration};
+use super::features::{
+    Features, Orientation, PATH_WEIGHT, Recognised, configuration_width, mirror_acceleration,
+    mirror_configuration,
+};
 use super::rig::{Rig, RigFile};
 use super::solve::{Evidence, Form, Weights, blend};
 use super::{Contacts, ExampleError, Outputs, Pair, outputs, poses};
@@ -68,6 +71,8 @@ pub struct ExampleOptions {
     /// What is removed of the root's orientation in features.
     #[serde(with = "word")]
     pub orientation: Orientation,
+    /// How much the root's way over half a second counts in features; 0 as in the paper ([`Recognised`]).
+    pub path_weight: f64,
     /// Weights of the blend.
     pub weights: Weights,
     /// Most examples a second of a clip, Hz: frames between them say the same.
@@ -90,6 +95,7 @@ impl Default for ExampleOptions {
             estimator: ExampleMethod::default(),
             outputs: Outputs::default(),
             orientation: Orientation::default(),
+            path_weight: PATH_WEIGHT,
             weights: Weights::default(),
             examples_hz: 30.0,
             mirror: true,
@@ -97,6 +103,13 @@ impl Default for ExampleOptions {
             contacts: Contacts::default(),
             root_weight: 1.0,
         }
+    }
+}
+
+impl ExampleOptions {
+    /// What features are made of.
+    pub fn recognised(&self) -> Recognised {
+        Recognised { orientation: self.orientation, path_weight: self.path_weight }
     }
 }
 
@@ -223,7 +236,7 @@ impl ExampleEdit {
         check(&options)?;
         let width: usize = rig.joints.iter().map(|(_, m)| m.width()).sum::<usize>() + outputs::ROOT;
         let points = rig.points.len();
-        let sizes = [3 * (2 + 3 * points), 3 * points];
+        let sizes = [configuration_width(points), 3 * points];
         let fault = |what: String| Err(ExampleError::Stored { what });
         for (of, size) in taught.iter().zip(sizes) {
             let found = (of.examples.len(), of.examples.inputs().ncols(), of.examples.targets().ncols());
@@ -278,7 +291,7 @@ impl ExampleEdit {
     /// As [`ExampleEdit::answer`], with the clip's rig.
     pub(super) fn answer_of(&self, rig: &Rig, clip: &Clip) -> Result<Answer, ExampleError> {
         let frames: Vec<usize> = (0..clip.frames()).collect();
-        let features = Features::of(rig, clip, &frames, self.options.orientation);
+        let features = Features::of(rig, clip, &frames, self.options.recognised());
         let predict = |model: &ExampleModel, inputs: &DMatrix<f64>| {
             model.predict_batch(inputs).map_err(|source| ExampleError::Input { frame: 0, source })
         };
@@ -294,7 +307,7 @@ impl ExampleEdit {
             signals = [1.0; 2];
         }
         let to_differences = |d: DMatrix<f64>| match &source {
-            Some(source) => poses::differences(rig, source, &(d + source)),
+            Some(source) => poses::differences(rig, clip, source, &(d + source)),
             None => d,
         };
         let kept = if self.options.gate { gates(&k.novelty, clip.rate_hz) } else { vec![1.0; frames.len()] };
@@ -332,6 +345,9 @@ fn check(options: &ExampleOptions) -> Result<(), ExampleError> {
         if !(value.is_finite() && value >= 0.0) {
             return fault(what, value, "0 or more");
         }
+    }
+    if !(options.path_weight.is_finite() && options.path_weight >= 0.0) {
+        return fault("`path_weight`", options.path_weight, "0 or more");
     }
     if !(options.root_weight.is_finite() && options.root_weight > 0.0) {
         return fault("`root_weight`", options.root_weight, "above 0");
@@ -371,7 +387,7 @@ impl Rows {
             let source = Rig::find(file, &pair.source.skeleton).map_err(named)?;
             let target = Rig::find(file, &pair.target.skeleton).map_err(named)?;
             let frames = pair.examples(options.examples_hz)?;
-            let features = Features::of(&source, &pair.source, &frames, options.orientation);
+            let features = Features::of(&source, &pair.source, &frames, options.recognised());
             let (from, to, times) =
                 ((&source, &pair.source), (&target, &pair.target), pair.times_s.as_deref());
             let d = match options.outputs {

@@ -5,12 +5,15 @@
 //!
 //! | columns | meaning | unit |
 //! |---|---|---|
-//! | joints, in the rig's order | `log(R_srcᵀ R_tgt)` in body axes of the zero pose; the difference of a hinge or slide | rad, sizes |
+//! | joints, in the rig's order | `log(Sᵀ R_tgt R_srcᵀ S)` in body axes of the zero pose; the difference of a hinge or slide | rad, sizes |
 //! | tilt, 3 | `log(T_srcᵀ T_tgt)` of the root's orientation without its heading, body axes | rad |
 //! | height | height of the root | sizes |
 //! | sideways, forward | speed of the root, each in the heading frame of its own clip | sizes per s |
 //! | turn | rate of the heading | rad/s |
 //! | time | `ln(seconds of the target / seconds of the source)` | – |
+//!
+//! S is the mean of R_src over 0.125 s ([`Smooth`]): with `S = R_src` the first is `log(R_srcᵀ R_tgt)`. What trembles in the source (mocap: twist of an upper arm)
+//! would then turn the axes of the edit, and swing an arm that the edit has raised; so it stays a twist.
 //!
 //! Rotation vectors are continued over ±π from frame to frame. Speeds and rates are of source time and belong to the step
 //! from a frame to the next; the last frame has those of the step before it. Lengths are in sizes of the own skeleton of each, so that
@@ -102,14 +105,16 @@ pub fn differences(source: (&Rig, &Clip), target: (&Rig, &Clip), times_s: Option
     let mut out = DMatrix::zeros(frames, width(rig));
     let root = joints_width(rig);
     let paths = [Path::of(rig, from), Path::of(other, to)];
+    let smooth = Smooth::of(rig, from);
     for f in 0..frames {
         let (a, b) = (from.pose(f), to.pose(f));
         let mut column = 0;
-        for (&(i, moves), &(j, _)) in rig.joints().iter().zip(other.joints()) {
+        for (joint, (&(i, moves), &(j, _))) in rig.joints().iter().zip(other.joints()).enumerate() {
             match moves {
                 Moves::Ball => {
-                    let turn = rig.skeleton().rotation(a, i).inverse() * other.skeleton().rotation(b, j);
-                    write3(&mut out, f, column, &(rig.axes_from_link(i) * log(&turn)));
+                    let turn = other.skeleton().rotation(b, j) * rig.skeleton().rotation(a, i).inverse();
+                    let turn = smooth.at(f, joint).inverse() * log(&turn);
+                    write3(&mut out, f, column, &(rig.axes_from_link(i) * turn));
                 }
                 Moves::Axis => out[(f, column)] = axis(other, b, j) - axis(rig, a, i),
             }
@@ -193,6 +198,47 @@ fn continue_over_pi(out: &mut DMatrix<f64>, column: usize) {
     }
 }
 
+/// Rotations of all joints of a clip, means over 0.125 s (fewer frames at the ends, equally many before and after): the axes that
+/// differences are in.
+#[derive(Clone, Debug)]
+pub(super) struct Smooth {
+    joints: usize,
+    rotations: Vec<Quat>,
+}
+
+impl Smooth {
+    pub fn of(rig: &Rig, clip: &Clip) -> Self {
+        let (s, last) = (rig.skeleton(), clip.frames() - 1);
+        let half = (0.5 * super::features::APART_S * clip.rate_hz).round() as usize;
+        let mut rotations = Vec::with_capacity(clip.frames() * rig.joints().len());
+        for f in 0..clip.frames() {
+            let half = half.min(f).min(last - f);
+            for &(link, moves) in rig.joints() {
+                let own = s.rotation(clip.pose(f), link);
+                let mut sum = own.coords;
+                if moves == Moves::Ball {
+                    for g in (f - half..=f + half).filter(|&g| g != f) {
+                        let other = s.rotation(clip.pose(g), link).coords;
+                        sum += other * own.coords.dot(&other).signum();
+                    }
+                }
+                rotations.push(Quat::new_normalize(nalgebra::Quaternion::from_vector(sum)));
+            }
+        }
+        Self { joints: rig.joints().len(), rotations }
+    }
+
+    /// Of the joint with this number in the rig.
+    pub fn at(&self, f: usize, joint: usize) -> &Quat {
+        &self.rotations[f * self.joints + joint]
+    }
+
+    /// The rotation `source` of a joint turned by a difference in the joint's own axes.
+    pub fn turned(&self, f: usize, joint: usize, source: &Quat, by: &Vec3) -> Quat {
+        exp(&(self.at(f, joint) * by)) * source
+    }
+}
+
 /// The path of a root: where it is, which way it faces, how it leans.
 pub(super) struct Path {
     pub places: Vec<Vec3>,
@@ -257,6 +303,7 @@ pub fn add(
     let root = joints_width(rig);
     let larger = onto_size_m / rig.size_m;
     let path = Path::of(rig, source);
+    let smooth = Smooth::of(rig, source);
     let step_s = 1.0 / source.rate_hz;
     let same = std::ptr::eq(onto.as_ref(), source.skeleton.as_ref()) || **onto == *source.skeleton;
     let steps = allowed.steps
@@ -268,9 +315,9 @@ pub fn add(
         let from = source.pose(f);
         let mut to = from.to_vec();
         let mut column = 0;
-        for (&(link, moves), &may) in rig.joints().iter().zip(&allowed.joints) {
+        for (joint, (&(_, moves), &may)) in rig.joints().iter().zip(&allowed.joints).enumerate() {
             if may {
-                move_joint(rig, &mut to, link, moves, d, f, column);
+                move_joint(rig, &smooth, &mut to, joint, d, f, column);
             }
             column += moves.width();
         }
@@ -310,14 +357,15 @@ pub fn add(
 /// Turns or moves one joint of the pose `to` by its difference.
 fn move_joint(
     rig: &Rig,
+    smooth: &Smooth,
     to: &mut [f64],
-    link: usize,
-    moves: Moves,
+    joint: usize,
     d: &DMatrix<f64>,
     f: usize,
     column: usize,
 ) {
     let s = rig.skeleton();
+    let (link, moves) = rig.joints()[joint];
     match moves {
         Moves::Ball => {
             let turn = read3(d, f, column);
@@ -327,7 +375,7 @@ fn move_joint(
             let own = rig.axes_from_link(link).inverse() * turn;
             match s.links()[link].joint {
                 Joint::Spherical | Joint::Free => {
-                    let r = s.rotation(to, link) * exp(&own);
+                    let r = smooth.turned(f, joint, &s.rotation(to, link), &own);
                     s.set_rotation(to, link, &r);
                 }
                 // what a ball was taught, a hinge does about its axis

@@ -21,7 +21,7 @@ use motion::rotation::{exp, log};
 use nalgebra::DMatrix;
 
 use super::Rig;
-use super::outputs::{self, HEIGHT, TILT, TIME};
+use super::outputs::{self, HEIGHT, Smooth, TILT, TIME};
 use super::rig::Moves;
 
 /// What is learned of a target.
@@ -78,16 +78,26 @@ pub fn of(rig: &Rig, clip: &Clip, times_s: Option<&[f64]>) -> DMatrix<f64> {
     out
 }
 
-/// Differences of a target with the numbers `target` to a source with the numbers `source`, columns as in [`super::outputs`].
-pub fn differences(rig: &Rig, source: &DMatrix<f64>, target: &DMatrix<f64>) -> DMatrix<f64> {
-    let mut out = target - source;
-    let mut columns = outputs::balls(rig);
-    columns.push(outputs::root_columns(rig).tilt);
+/// Differences of a target with the numbers `target` to the clip `source`, whose numbers are `numbers`; columns as in [`super::outputs`].
+pub fn differences(rig: &Rig, source: &Clip, numbers: &DMatrix<f64>, target: &DMatrix<f64>) -> DMatrix<f64> {
+    let mut out = target - numbers;
+    let smooth = Smooth::of(rig, source);
+    let tilt = outputs::root_columns(rig).tilt;
     for f in 0..out.nrows() {
-        for &column in &columns {
-            let [from, to] = [source, target].map(|m| exp(&outputs::read3(m, f, column)));
-            outputs::write3(&mut out, f, column, &log(&(from.inverse() * to)));
+        let both = |column: usize| [numbers, target].map(|m| exp(&outputs::read3(m, f, column)));
+        let mut column = 0;
+        for (joint, &(link, moves)) in rig.joints().iter().enumerate() {
+            if moves == Moves::Ball {
+                let axes = rig.axes_from_link(link);
+                let [from, to] = both(column);
+                let turn = axes.inverse() * log(&(to * from.inverse()));
+                let turn = axes * (smooth.at(f, joint).inverse() * turn);
+                outputs::write3(&mut out, f, column, &turn);
+            }
+            column += moves.width();
         }
+        let [from, to] = both(tilt);
+        outputs::write3(&mut out, f, tilt, &log(&(from.inverse() * to)));
     }
     outputs::continue_all(rig, &mut out);
     out
