@@ -33,6 +33,9 @@ pub const APART_MS: u32 = 500;
 /// Novelty up to which differences are kept whole, and from which on nothing is left of them.
 pub const GATE: (f64, f64) = (0.8, 1.04);
 
+/// [`ExampleOptions::root_weight`] if nothing else is said: 94 % of a root lowered by 5 cm are kept.
+pub const ROOT_WEIGHT: f64 = 1000.0;
+
 /// Share of the differences that is kept at a novelty: 1 up to the first of [`GATE`], 0 from the second on, smooth between.
 pub fn gate(novelty: f64) -> f64 {
     1.0 - motion::smoothstep((novelty - GATE.0) / (GATE.1 - GATE.0))
@@ -84,8 +87,8 @@ pub struct ExampleOptions {
     /// Whether what stands keeps standing.
     #[serde(with = "word")]
     pub contacts: Contacts,
-    /// Where contacts are kept, how much more the root's part of the edit weighs than joints': 1 as in the blend; above, legs
-    /// give way first ([`super::contacts`]).
+    /// Where contacts are kept, how much more the root's part of the edit weighs than that of the joints, where legs reach the ground
+    /// from it: at 1, as in the blend, raising the root costs less than bending two legs, and an edit of the root alone is taken back ([`super::contacts`]).
     pub root_weight: f64,
 }
 
@@ -101,7 +104,7 @@ impl Default for ExampleOptions {
             mirror: true,
             gate: true,
             contacts: Contacts::default(),
-            root_weight: 1.0,
+            root_weight: ROOT_WEIGHT,
         }
     }
 }
