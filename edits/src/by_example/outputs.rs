@@ -12,7 +12,7 @@
 //! | turn | rate of the heading | rad/s |
 //! | time | `ln(seconds of the target / seconds of the source)` | – |
 //!
-//! S is the mean of R_src over 0.125 s ([`Smooth`]): with `S = R_src` the first is `log(R_srcᵀ R_tgt)`. What trembles in the source (mocap: twist of an upper arm)
+//! S is the mean of R_src over 0.125 s (fewer frames at the ends of a clip): with `S = R_src` the first is `log(R_srcᵀ R_tgt)`. What trembles in the source (mocap: twist of an upper arm)
 //! would then turn the axes of the edit, and swing an arm that the edit has raised; so it stays a twist.
 //!
 //! Rotation vectors are continued over ±π from frame to frame. Speeds and rates are of source time and belong to the step
