@@ -9,10 +9,10 @@ use std::sync::Arc;
 
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};
 use edits::Motion;
-use edits::by_example::Rig;
 use edits::by_example::contacts::{Blended, keep};
 use edits::by_example::outputs::{self, Allowed};
 use edits::by_example::solve::Form;
+use edits::by_example::{ExampleOptions, Rig};
 use motion::rotation::exp;
 use motion::{Clip, Contact, ContactPlan, Joint, Limb, LimbKind, Link, Skeleton, Vec3};
 use nalgebra::DMatrix;
@@ -74,7 +74,15 @@ fn motion(frames: usize) -> Motion {
 fn bench(c: &mut Criterion) {
     let mut group = c.benchmark_group("contacts");
     group.sample_size(10);
-    for frames in [600, 3600] {
+    let firm = ExampleOptions::default().root_weight;
+    // everything, the root out of reach of its legs, in the weights of the blend; and lower by a sixth of a leg, with the default
+    for (what, frames, root, height) in [
+        ("raised", 600, 1.0, None),
+        ("raised", 3600, 1.0, None),
+        ("lowered", 600, firm, Some(-0.08)),
+        ("lowered", 3600, firm, Some(-0.08)),
+        ("raised, firm", 600, firm, None),
+    ] {
         let motion = motion(frames);
         let clip = &motion.clip;
         let rig = Rig::of(&clip.skeleton).expect("a rig");
@@ -85,8 +93,11 @@ fn bench(c: &mut Criterion) {
             steps: true,
             time: false,
         };
-        let differences = DMatrix::from_fn(frames, outputs::width(&rig), |f, c| {
-            0.1 + 0.05 * (0.03 * f as f64 + c as f64).sin()
+        let width = outputs::width(&rig);
+        let differences = DMatrix::from_fn(frames, width, |f, c| {
+            let other = 0.1 + 0.05 * (0.03 * f as f64 + c as f64).sin();
+            // the root's numbers are the last eight, its height the fourth of them
+            height.filter(|_| c + 5 == width).unwrap_or(other)
         });
         let free = outputs::add(&rig, clip, &differences, &allowed, &clip.skeleton, rig.size_m);
         let blended = Blended { rig: &rig, clip: &free, differences: &differences, allowed: &allowed };
@@ -94,13 +105,20 @@ fn bench(c: &mut Criterion) {
             configuration: vec![1e3; frames],
             acceleration: vec![0.1; frames],
             step_s: 1.0 / RATE_HZ,
-            root: 1.0,
+            root,
         };
         let span = (0.0, clip.duration_s());
-        let (_, kept) = keep(&motion, &blended, &form, span);
-        println!("{frames} frames of {} numbers, {} steps", kept.width, kept.steps);
+        let (kept_clip, kept) = keep(&motion, &blended, &form, span);
+        let miss_m = kept.misses(&kept_clip).iter().map(|m| m.most_m).fold(0.0, f64::max);
+        println!(
+            "{what}: {frames} frames of {} numbers, {} steps, settled: {}, miss {:.3} mm",
+            kept.width,
+            kept.steps,
+            kept.settled,
+            1e3 * miss_m
+        );
         group.throughput(Throughput::Elements((frames * kept.width) as u64));
-        group.bench_function(format!("{frames} frames"), |b| {
+        group.bench_function(format!("{what}, {frames} frames"), |b| {
             b.iter(|| keep(black_box(&motion), &blended, &form, span));
         });
     }

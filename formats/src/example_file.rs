@@ -228,13 +228,13 @@ fn signed<R: Read + Seek>(
 
 #[cfg(test)]
 mod tests {
-    use edits::by_example::Pair;
+    use edits::by_example::{Outputs, Pair};
     use motion::Clip;
     use motion::rotation::{Vec3, exp};
 
     use super::*;
 
-    fn edit(estimator: learn::ExampleMethod) -> (ExampleEdit, Clip) {
+    fn edit(estimator: learn::ExampleMethod, outputs: Outputs) -> (ExampleEdit, Clip) {
         let human = bodies::anthropometry::human::human().0;
         let s = human.skeleton.clone();
         let clip = |bend: f64| {
@@ -251,7 +251,7 @@ mod tests {
             });
             Clip::new(s.clone(), 30.0, q.collect())
         };
-        let options = ExampleOptions { estimator, ..ExampleOptions::default() };
+        let options = ExampleOptions { estimator, outputs, ..ExampleOptions::default() };
         let pair = Pair::new("bend", clip(0.0), clip(0.2));
         (ExampleEdit::learn(&[pair], &options).expect("a pair"), clip(0.05))
     }
@@ -259,11 +259,15 @@ mod tests {
     /// What is read answers as what was written, to the bit, and its bytes are the same.
     #[test]
     fn an_edit_comes_back_to_the_bit() {
-        for estimator in learn::ExampleMethod::ALL {
-            let (edit, clip) = edit(estimator);
+        let differences = learn::ExampleMethod::ALL.map(|m| (m, Outputs::Differences));
+        for (estimator, outputs) in
+            differences.into_iter().chain([(learn::ExampleMethod::Gp, Outputs::Poses)])
+        {
+            let (edit, clip) = edit(estimator, outputs);
             let bytes = bytes(&edit);
             let back = read(Cursor::new(&bytes)).expect("an edit");
             assert_eq!(super::bytes(&back), bytes, "{estimator}");
+            assert_eq!(back.options.outputs, outputs);
             assert_eq!(back.answer(&clip).expect("the rig"), edit.answer(&clip).expect("the rig"));
         }
     }
@@ -271,7 +275,7 @@ mod tests {
     /// Damaged files are errors, wherever they are cut; parts of another edit are named.
     #[test]
     fn damaged_files_are_refused() {
-        let (edit, _) = edit(learn::ExampleMethod::Gp);
+        let (edit, _) = edit(learn::ExampleMethod::Gp, Outputs::Differences);
         let whole = bytes(&edit);
         for at in (0..whole.len()).step_by(whole.len() / 40) {
             assert!(read(Cursor::new(&whole[..at])).is_err(), "cut at {at}");

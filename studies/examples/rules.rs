@@ -1,6 +1,6 @@
 //! Edits by example on known rules, beside what an artist would do instead: prints the table of `docs/BY_EXAMPLE.md`.
 //!
-//! `cargo run --release -p studies --example rules -- [FRAMES...] [--out DIR]`: frames taught (10 20 40 80 160 320); with a folder, the
+//! `cargo run --release -p studies --example rules -- [FRAMES...] [--path-weight W] [--no-gate] [--out DIR]`: frames taught (10 20 40 80 160 320); with a folder, the
 //! learning curves are written there (`learning_curves.svg`, `.png`). Clips: subject 16 of `../shared/mocap`.
 
 use std::error::Error;
@@ -19,9 +19,14 @@ const UNSEEN: [&str; 2] = ["16_13", "16_18"];
 
 fn main() -> Result<(), Box<dyn Error>> {
     let (mut counts, mut out): (Vec<usize>, Option<String>) = (Vec::new(), None);
+    let mut options = ExampleOptions::default();
     let mut arguments = std::env::args().skip(1);
     while let Some(a) = arguments.next() {
         match a.as_str() {
+            "--path-weight" => {
+                options.path_weight = arguments.next().ok_or("--path-weight needs a number")?.parse()?;
+            }
+            "--no-gate" => options.gate = false,
             "--out" => out = Some(arguments.next().ok_or("--out needs a folder")?),
             count => {
                 counts.push(count.parse().map_err(|e| format!("`{count}` is no number of frames: {e}"))?)
@@ -53,7 +58,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         );
         for &count in &counts {
             for (curve, way) in curves.iter_mut().zip(Way::ALL) {
-                let e = error(way, &training, &unseen, count, &ExampleOptions::default())?;
+                let e = error(way, &training, &unseen, count, &options)?;
                 let shown = if rule == Rule::Timing { e.rate_percent } else { e.edited_deg };
                 curve.push([count as f64, shown]);
                 println!(

@@ -4,17 +4,20 @@
 
 use std::sync::Arc;
 
+use edits::by_example::features::Features;
 use edits::by_example::model::ExampleFrame;
 use edits::by_example::review::{LEAST_APART_RAD, contradictions, key_next};
-use edits::by_example::{ByExample, ExampleEdit, ExampleOptions, Pair};
+use edits::by_example::{ByExample, ExampleEdit, ExampleOptions, Outputs, Pair, Rig, outputs};
 use edits::{Motion, Where};
 use formats::bvh::ImportOptions;
+use learn::{RbfOptions, RbfRegression};
 use motion::Clip;
 use motion::rotation::{Vec3, exp, log};
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64;
 use studies::propagate::compare::{RuleError, Way, error, spread, taught};
 use studies::propagate::rules::{Rule, pair};
+use studies::propagate::transition::{smoothness, transition};
 
 /// Walks, straight, turning, and to a stop.
 const TRAINING: [&str; 5] = ["16_16", "16_20", "16_21", "16_30", "16_33"];
@@ -70,6 +73,22 @@ fn identity_is_exact() {
         let error = worst_deg(&source, &applied(&edit, &source));
         assert!(error < 0.1, "{name}: {error}°");
     }
+}
+
+/// The paper's own form, poses with its weights: a run comes out as a walk would (21° RMS seen), which differences do not do.
+#[test]
+fn poses_as_printed_change_a_run() {
+    let same =
+        |names: &[&str]| -> Vec<Pair> { names.iter().map(|n| Pair::new(*n, clip(n), clip(n))).collect() };
+    let (training, run) = (same(&TRAINING), same(&[RUN]));
+    let others_deg = |outputs| {
+        let options = ExampleOptions { outputs, gate: false, ..ExampleOptions::default() };
+        error(Way::Gp, &training, &run, 160, &options).unwrap().others_deg
+    };
+    let differences = others_deg(Outputs::Differences);
+    assert!(differences < 1e-9, "{differences}");
+    let poses = others_deg(Outputs::Poses);
+    assert!(poses > 5.0, "{poses}");
 }
 
 /// Targets that are the sources with 0.5° of noise about each axis of each joint: nothing consistent, so little is done.
@@ -136,6 +155,53 @@ fn known_rules_are_learned() {
         assert!(e.edited_deg <= 2.0 && e.others_deg <= 0.2, "{rule:?}: {e:?}");
         assert!(e.rate_percent <= 5.0 && e.drift_s <= 0.05, "{rule:?}: {e:?}");
     }
+}
+
+/// With few frames, no other way that keys nothing in the unseen clips is better by more than 0.3° (timing: 0.5 % of the rate), and half the
+/// knee needs half the frames of the best of them, to within 0.1°.
+#[test]
+fn no_other_way_is_much_better() {
+    for rule in [Rule::Lean, Rule::SpineByKnee, Rule::LeanBySpeed, Rule::Timing] {
+        let (training, unseen) = (pairs(&TRAINING, rule), pairs(&UNSEEN, rule));
+        let errors = |way| {
+            [10, 20, 40, 80].map(|count| {
+                let e = error(way, &training, &unseen, count, &ExampleOptions::default()).unwrap();
+                if rule == Rule::Timing { e.rate_percent } else { e.edited_deg }
+            })
+        };
+        let [ours, nearest, linear] = [Way::Gp, Way::Nearest, Way::Linear].map(errors);
+        let least = if rule == Rule::Timing { 0.5 } else { 0.3 };
+        for i in 0..ours.len() {
+            let other = nearest[i].min(linear[i]);
+            assert!(ours[i] <= other + least, "{rule:?}, {i}: {} and {other}", ours[i]); // 0.15° seen
+            if rule == Rule::SpineByKnee && i > 0 {
+                assert!(ours[i - 1] <= other + 0.1, "{i}: {} and {other}", ours[i - 1]); // 0.03° seen
+            }
+        }
+    }
+}
+
+/// What inducing points cost on real motion: 1,600 frames and their images, more than are taken as they are.
+#[test]
+fn many_frames_lose_little() {
+    let training = pairs(&TRAINING, Rule::SpineByKnee);
+    let edit = learned(&training, 1600);
+    let sparse = edit.configuration.as_gp().unwrap();
+    assert!(sparse.inducing().is_some());
+    let exact =
+        RbfOptions { exact_up_to: usize::MAX, kernel: Some(sparse.kernel()), ..RbfOptions::default() };
+    let exact = RbfRegression::fit(sparse.examples(), &exact).unwrap();
+    let unseen = pair(Rule::SpineByKnee, UNSEEN[0], &clip(UNSEEN[0])).unwrap();
+    let rig = Rig::of(&unseen.source.skeleton).unwrap();
+    let all: Vec<usize> = (0..unseen.source.frames()).collect();
+    let x = Features::of(&rig, &unseen.source, &all, edit.options.recognised()).configuration;
+    let truth = outputs::differences((&rig, &unseen.source), (&rig, &unseen.target), None);
+    let [a, b] = [&exact, sparse].map(|m| {
+        let error = &m.predict_batch(&x).unwrap().mean - &truth;
+        (error.norm_squared() / all.len() as f64).sqrt().to_degrees()
+    });
+    println!("{a}° as they are, {b}° through inducing points");
+    assert!(b <= a + 0.1, "{a}° as they are, {b}° through inducing points");
 }
 
 /// The truth of a pair as differences, and whether a pair of examples contradicts the edit by what was planted.
@@ -225,6 +291,20 @@ fn spacing(edit: &ExampleEdit) -> f64 {
     edit.configuration.as_gp().unwrap().spacing()
 }
 
+/// Raised arms tremble as hanging ones do: what trembles in the source does not turn the axes of the edit (jerk of the hands 1.00 times
+/// the script's seen; with differences in the axes of the frame itself it was 1.6 times).
+#[test]
+fn raised_arms_do_not_tremble() {
+    let rule = Rule::ArmsWhileWalking;
+    let edit = learned(&pairs(&TRAINING, rule), 320);
+    let truth = pair(rule, UNSEEN[0], &clip(UNSEEN[0])).unwrap();
+    let done = applied(&edit, &truth.source);
+    let hands = ["LeftHand", "RightHand"].map(|n| done.skeleton.link(n).unwrap());
+    let [ours, script] = [&done, &truth.target].map(|c| smoothness(c, &hands, 0..=c.frames() - 1));
+    assert!(ours.jerk_rms <= 1.1 * script.jerk_rms, "{ours:?}, script {script:?}");
+    assert!((ours.peak_m_s / script.peak_m_s - 1.0).abs() <= 0.1, "{ours:?}, script {script:?}");
+}
+
 /// How much slower the stop is than the one taught.
 const SLOWER: f64 = 1.15;
 
@@ -255,6 +335,12 @@ fn arms_rise_only_while_walking() {
         }
         assert!(walks > 100 && stands > 50, "{walks} frames of walking, {stands} of standing");
     }
+    // the transition is that of the script, neither rougher nor blurred: jerk 0.93 times, peak 1.00 times seen
+    let hands = ["LeftHand", "RightHand"].map(|n| s.link(n).unwrap());
+    let frames = transition(&truth, s.link("LeftArm").unwrap());
+    let [ours, script] = [&done, &truth.target].map(|c| smoothness(c, &hands, frames.clone()));
+    assert!(ours.jerk_rms <= 1.2 * script.jerk_rms, "{ours:?}, script {script:?}");
+    assert!((ours.peak_m_s / script.peak_m_s - 1.0).abs() <= 0.1, "{ours:?}, script {script:?}");
     let (mut a, mut b) = (
         motion::Kinematics::new(&s, truth.source.pose(0)),
         motion::Kinematics::new(&s, truth.source.pose(0)),

@@ -23,7 +23,7 @@ use motion::{Clip, Joint, Kinematics, Skeleton};
 use nalgebra::DMatrix;
 
 use super::Rig;
-use super::outputs::{self, Allowed};
+use super::outputs::{self, Allowed, Smooth};
 use super::rig::Moves;
 
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -61,6 +61,8 @@ pub(super) enum Owner {
 struct Mover {
     kind: Kind,
     link: usize,
+    /// Its number among the rig's joints; 0 of what the root does.
+    joint: usize,
     /// First of its numbers.
     at: usize,
     /// First of its columns in the differences; none of those that differences have as steps.
@@ -74,6 +76,7 @@ pub(super) struct Chain<'a> {
     source: &'a Clip,
     free: &'a Clip,
     differences: &'a DMatrix<f64>,
+    smooth: Smooth,
     movers: Vec<Mover>,
     /// Links whose transforms are needed, parents first.
     links: Vec<usize>,
@@ -100,6 +103,7 @@ impl<'a> Chain<'a> {
             source,
             free,
             differences,
+            smooth: Smooth::of(rig, source),
             movers: Vec::new(),
             links: (0..needed.len()).filter(|&l| needed[l]).collect(),
             width: 0,
@@ -112,26 +116,26 @@ impl<'a> Chain<'a> {
             (allowed.steps, Kind::Ground, 0),
         ] {
             if may {
-                chain.push(kind, 0, column);
+                chain.push(kind, (0, 0), column);
             }
         }
         let mut column = 0;
-        for (&(link, moves), &may) in rig.joints().iter().zip(&allowed.joints) {
+        for (joint, (&(link, moves), &may)) in rig.joints().iter().zip(&allowed.joints).enumerate() {
             let kind = match (moves, s.links()[link].joint) {
                 (Moves::Ball, Joint::Spherical | Joint::Free | Joint::Revolute(_)) => Some(Kind::Ball),
                 (Moves::Axis, Joint::Revolute(_) | Joint::Prismatic(_)) => Some(Kind::Axis),
                 _ => None,
             };
             if let Some(kind) = kind.filter(|_| may && needed[link]) {
-                chain.push(kind, link, column);
+                chain.push(kind, (link, joint), column);
             }
             column += moves.width();
         }
         chain
     }
 
-    fn push(&mut self, kind: Kind, link: usize, column: usize) {
-        self.movers.push(Mover { kind, link, at: self.width, column });
+    fn push(&mut self, kind: Kind, (link, joint): (usize, usize), column: usize) {
+        self.movers.push(Mover { kind, link, joint, at: self.width, column });
         self.width += kind.width();
     }
 
@@ -177,7 +181,8 @@ impl<'a> Chain<'a> {
                 (Kind::Ball, _) => {
                     let turn = self.turn(f, m) + Vec3::from_column_slice(own);
                     let turn = self.rig.axes_from_link(m.link).inverse() * turn;
-                    let r = s.rotation(self.source.pose(f), m.link) * exp(&turn);
+                    let source = s.rotation(self.source.pose(f), m.link);
+                    let r = self.smooth.turned(f, m.joint, &source, &turn);
                     s.set_rotation(q, m.link, &r);
                 }
                 (Kind::Axis, Joint::Prismatic(_)) => q[s.q_at(m.link)] += own[0] * self.rig.size_m,
@@ -237,7 +242,14 @@ impl<'a> Chain<'a> {
                     // the root's lean comes before the change from body axes to its own, a joint's turn after: the same
                     let axes = self.rig.axes_from_link(m.link).inverse();
                     let turn = axes * turn;
-                    let before = world * exp(&-turn);
+                    let before = match m.kind {
+                        Kind::Lean => world * exp(&-turn),
+                        _ => {
+                            let source = s.rotation(self.source.pose(f), m.link);
+                            let smooth = self.smooth.at(f, m.joint);
+                            world * source.inverse() * smooth * exp(&-turn)
+                        }
+                    };
                     for (i, out) in out.iter_mut().enumerate() {
                         let mut unit = none;
                         unit[i] = 1.0;

@@ -11,7 +11,8 @@
 //! them. Numbers p are the root's heading and place, which differences have as steps: `A_p` weighs their first differences by
 //! time as the blend weighs those steps (`k |Δp/h|²`), and their second ones as it weighs accelerations of joints
 //! (`a |L p|²`; third ones, the blend's own, would widen the band). `ℓ` is the body's size. The root's numbers weigh [`Form::root`] times
-//! as much: with 1, as in the blend, an edit of the root alone gives way to the legs, which are many; firmer, the legs follow.
+//! as much: with 1, as in the blend, an edit of the root alone gives way to the legs, which are many; firmer, the legs follow. Where a leg does
+//! not reach its place from the blend's root (from 0.95 of its length on less, from 0.99 on not), the root of that frame weighs as in the blend.
 //!
 //! *What is asked.* `x̂, R̂` is the point in the source, carried by one rigid motion for the whole contact: a turn about
 //! the vertical and a way over the ground, heights kept. So a foot that stands in the source stands, one that rolls from heel to
@@ -27,7 +28,8 @@
 //! the floor. A correction that has to go within 0.2 s, because the span ends then, costs some jerk. `w` is [`STIFFNESS`] times what `A` says of a slow change ([`SLOW_HZ`]).
 //!
 //! *Solution*: Gauss–Newton with exact Jacobians of the chain from root to point. Unknowns of a frame are coupled by contacts, and
-//! each with itself over time by `A`: [`super::block_band`], O(frames). A step that does not lower E is halved. All in the time
+//! each with itself over time by `A`: [`super::block_band`], O(frames). The share of a step is that at which a parabola through E has its least value: a leg
+//! that is pulled straight stiffens, which Gauss–Newton does not know. All in the time
 //! of the source; a retimed result takes its contacts along.
 //!
 //! Units: m, s, rad; corrections in rad and sizes.

@@ -1,8 +1,12 @@
 //! Features: what a frame of the source motion is recognised by (IAF09 §4.5).
 //!
 //! In: a clip and its [`Rig`]. Out: for every frame two rows: the configuration feature x^(k), places of all points 0.125 s before,
-//! now and 0.125 s after in the heading frame of now; and the acceleration feature x^(a), accelerations of all points relative to the
+//! now and 0.125 s after in the heading frame of now, and where the root is 0.25 s before and after, times [`Recognised::path_weight`] and the square root of the number of
+//! points; and the acceleration feature x^(a), accelerations of all points relative to the
 //! root, from a parabola fitted over 0.125 s, in the same frame.
+//!
+//! The root's way is not in the paper: within 0.25 s a body that slows down is told from one that walks by its pose alone, and an edit
+//! that depends on speed changes with every step.
 //!
 //! The paper removes the whole orientation of the root; the default here removes the heading and leaves the lean
 //! ([`Orientation`]). Before the first and after the last frame a point goes on as it came: `p(−t) = 2 p(0) − p(t)`.
@@ -19,6 +23,12 @@ use super::rig::Signed;
 
 /// How far before and after the frame the other two configurations are, s (IAF09).
 pub const APART_S: f64 = 0.125;
+
+/// How far before and after the frame the two places of the root's way are, s.
+pub const PATH_S: f64 = 0.25;
+
+/// [`Recognised::path_weight`] if nothing else is said.
+pub const PATH_WEIGHT: f64 = 1.0;
 
 /// What is removed of the root's orientation in features.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -38,10 +48,31 @@ impl Word for Orientation {
     ];
 }
 
+/// What features are made of.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Recognised {
+    /// What is removed of the root's orientation.
+    pub orientation: Orientation,
+    /// How much the root's way over ±[`PATH_S`] counts, 0 or more: at 1 each of its two places as much as one more configuration of
+    /// the whole body, carried there as it is now; at 0 features are those of the paper.
+    pub path_weight: f64,
+}
+
+impl Default for Recognised {
+    fn default() -> Self {
+        Self { orientation: Orientation::default(), path_weight: PATH_WEIGHT }
+    }
+}
+
+/// Number of coordinates of x^(k) of a rig with so many points.
+pub(super) fn configuration_width(points: usize) -> usize {
+    3 * (4 + 3 * points)
+}
+
 /// Features of all frames: one row each.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Features {
-    /// x^(k): three times root and points; the root now is the origin and left out.
+    /// x^(k): three times root and points; the root now is the origin and left out; then the two places of the root's way.
     pub configuration: DMatrix<f64>,
     /// x^(a): all points.
     pub acceleration: DMatrix<f64>,
@@ -49,11 +80,13 @@ pub struct Features {
 
 impl Features {
     /// Features of the frames `frames` of a clip.
-    pub fn of(rig: &Rig, clip: &Clip, frames: &[usize], orientation: Orientation) -> Self {
+    pub fn of(rig: &Rig, clip: &Clip, frames: &[usize], recognised: Recognised) -> Self {
+        let Recognised { orientation, path_weight } = recognised;
         let path = Path { places: rig.places(clip), width: 1 + rig.points(), frames: clip.frames() };
         let turns = rig.root_rotations(clip);
         let (n, points) = (frames.len(), rig.points());
-        let mut configuration = DMatrix::zeros(n, 3 * (2 + 3 * points));
+        let mut configuration = DMatrix::zeros(n, configuration_width(points));
+        let weight = path_weight * (points as f64).sqrt();
         let mut acceleration = DMatrix::zeros(n, 3 * points);
         let step = APART_S * clip.rate_hz;
         let half = ((0.5 * APART_S * clip.rate_hz).round() as i64).max(1);
@@ -75,6 +108,13 @@ impl Features {
                     column += 3;
                 }
             }
+            for offset in [-PATH_S, PATH_S] {
+                let p = local(path.at(frame as f64 + offset * clip.rate_hz, 0)) * weight;
+                for c in 0..3 {
+                    configuration[(row, column + c)] = p[c];
+                }
+                column += 3;
+            }
             for point in 1..=points {
                 let mut a = Vec3::zeros();
                 for (offset, (_, bend)) in (-half..=half).zip(&weights) {
@@ -93,7 +133,12 @@ impl Features {
 
 /// How configuration features are mirrored; `None` without left and right.
 pub(super) fn mirror_configuration(rig: &Rig) -> Option<Signed> {
-    rig.mirror_points(&[true, false, true])
+    let mut out = rig.mirror_points(&[true, false, true])?;
+    let at = out.len();
+    for p in 0..2 {
+        out.extend([(at + 3 * p, -1.0), (at + 3 * p + 1, 1.0), (at + 3 * p + 2, 1.0)]);
+    }
+    Some(out)
 }
 
 /// How acceleration features are mirrored.

@@ -5,7 +5,7 @@
 //! regressions of `learn`, blended with the source so that it returns where the model is unsure ([`solve`]).
 //!
 //! What is learned is the difference of the target to its source ([`outputs`]): the paper learns the target itself, which mixes units in the
-//! blend and changes motion that was not edited. Far from the examples the differences are taken back by how new a frame is
+//! blend and changes motion that was not edited ([`poses`], for comparison). Far from the examples the differences are taken back by how new a frame is
 //! ([`model::gate`]): the likelihood alone would stretch a constant edit over everything.
 //!
 //! | module | holds |
@@ -15,6 +15,7 @@
 //! | [`rig`] | points and joints by name, headings, left and right |
 //! | [`features`] | what a frame is recognised by |
 //! | [`outputs`] | how a target differs from its source, and back |
+//! | [`poses`] | the target itself instead, as the paper has it |
 //! | [`model`] | training and prediction |
 //! | [`solve`] | the blend of all predictions: one pentadiagonal system |
 //! | [`contacts`] | the blend with contacts kept: Gauss–Newton on blocks |
@@ -37,6 +38,7 @@ pub mod model;
 pub mod outputs;
 pub mod pair;
 pub mod performances;
+pub mod poses;
 pub mod review;
 pub mod rig;
 pub mod solve;
@@ -48,6 +50,7 @@ pub use features::Orientation;
 pub use model::{Answer, ExampleEdit, ExampleFrame, ExampleOptions, Taught};
 pub use pair::Pair;
 pub use performances::{Correspondence, correspond};
+pub use poses::Outputs;
 pub use review::{Contradiction, KeyNext, contradictions, key_next};
 pub use rig::Rig;
 pub use solve::Weights;

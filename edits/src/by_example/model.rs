@@ -3,7 +3,7 @@
 //! In: [`Pair`]s. Out: an [`ExampleEdit`], and from it, for a clip, an [`Answer`]: the blended differences of every frame with how sure
 //! they are.
 //!
-//! *Configuration*: from x^(k) to the differences of [`super::outputs`]. *Acceleration*: from x^(a) to their second derivatives by time,
+//! *Configuration*: from x^(k) to the differences of [`super::outputs`] (or, with [`Outputs::Poses`], to the target itself). *Acceleration*: from x^(a) to their second derivatives by time,
 //! of the frames of the pair, from parabolas over 0.125 s. Speeds and rates of configurations are means over the same time. Both share three hyperparameters each over all outputs.
 //!
 //! *Novelty*: the distance of a frame's x^(k) to the nearest example, over the 99th percentile of the distances that the examples
@@ -19,16 +19,22 @@ use motion::names::Word;
 use nalgebra::DMatrix;
 use serde::{Deserialize, Serialize};
 
-use super::features::{Features, Orientation, mirror_acceleration, mirror_configuration};
+use super::features::{
+    Features, Orientation, PATH_WEIGHT, Recognised, configuration_width, mirror_acceleration,
+    mirror_configuration,
+};
 use super::rig::{Rig, RigFile};
 use super::solve::{Evidence, Form, Weights, blend};
-use super::{Contacts, ExampleError, Pair, outputs};
+use super::{Contacts, ExampleError, Outputs, Pair, outputs, poses};
 
 /// Neighbours in time do not tell how dense examples lie: those closer than this, ms.
 pub const APART_MS: u32 = 500;
 
 /// Novelty up to which differences are kept whole, and from which on nothing is left of them.
 pub const GATE: (f64, f64) = (0.8, 1.04);
+
+/// [`ExampleOptions::root_weight`] if nothing else is said: 94 % of a root lowered by 5 cm are kept.
+pub const ROOT_WEIGHT: f64 = 1000.0;
 
 /// Share of the differences that is kept at a novelty: 1 up to the first of [`GATE`], 0 from the second on, smooth between.
 pub fn gate(novelty: f64) -> f64 {
@@ -62,9 +68,14 @@ pub fn gates(novelty: &[f64], rate_hz: f64) -> Vec<f64> {
 pub struct ExampleOptions {
     /// What predicts.
     pub estimator: ExampleMethod,
+    /// What is learned of a target: its difference to the source, or itself as in the paper ([`poses`]).
+    #[serde(with = "word")]
+    pub outputs: Outputs,
     /// What is removed of the root's orientation in features.
     #[serde(with = "word")]
     pub orientation: Orientation,
+    /// How much the root's way over half a second counts in features; 0 as in the paper ([`Recognised`]).
+    pub path_weight: f64,
     /// Weights of the blend.
     pub weights: Weights,
     /// Most examples a second of a clip, Hz: frames between them say the same.
@@ -76,8 +87,8 @@ pub struct ExampleOptions {
     /// Whether what stands keeps standing.
     #[serde(with = "word")]
     pub contacts: Contacts,
-    /// Where contacts are kept, how much more the root's part of the edit weighs than joints': 1 as in the blend; above, legs
-    /// give way first ([`super::contacts`]).
+    /// Where contacts are kept, how much more the root's part of the edit weighs than that of the joints, where legs reach the ground
+    /// from it: at 1, as in the blend, raising the root costs less than bending two legs, and an edit of the root alone is taken back ([`super::contacts`]).
     pub root_weight: f64,
 }
 
@@ -85,14 +96,23 @@ impl Default for ExampleOptions {
     fn default() -> Self {
         Self {
             estimator: ExampleMethod::default(),
+            outputs: Outputs::default(),
             orientation: Orientation::default(),
+            path_weight: PATH_WEIGHT,
             weights: Weights::default(),
             examples_hz: 30.0,
             mirror: true,
             gate: true,
             contacts: Contacts::default(),
-            root_weight: 1.0,
+            root_weight: ROOT_WEIGHT,
         }
+    }
+}
+
+impl ExampleOptions {
+    /// What features are made of.
+    pub fn recognised(&self) -> Recognised {
+        Recognised { orientation: self.orientation, path_weight: self.path_weight }
     }
 }
 
@@ -219,7 +239,7 @@ impl ExampleEdit {
         check(&options)?;
         let width: usize = rig.joints.iter().map(|(_, m)| m.width()).sum::<usize>() + outputs::ROOT;
         let points = rig.points.len();
-        let sizes = [3 * (2 + 3 * points), 3 * points];
+        let sizes = [configuration_width(points), 3 * points];
         let fault = |what: String| Err(ExampleError::Stored { what });
         for (of, size) in taught.iter().zip(sizes) {
             let found = (of.examples.len(), of.examples.inputs().ncols(), of.examples.targets().ncols());
@@ -274,24 +294,36 @@ impl ExampleEdit {
     /// As [`ExampleEdit::answer`], with the clip's rig.
     pub(super) fn answer_of(&self, rig: &Rig, clip: &Clip) -> Result<Answer, ExampleError> {
         let frames: Vec<usize> = (0..clip.frames()).collect();
-        let features = Features::of(rig, clip, &frames, self.options.orientation);
+        let features = Features::of(rig, clip, &frames, self.options.recognised());
         let predict = |model: &ExampleModel, inputs: &DMatrix<f64>| {
             model.predict_batch(inputs).map_err(|source| ExampleError::Input { frame: 0, source })
         };
-        let k = predict(&self.configuration, &features.configuration)?;
-        let a = predict(&self.acceleration, &features.acceleration)?;
+        let mut k = predict(&self.configuration, &features.configuration)?;
+        let mut a = predict(&self.acceleration, &features.acceleration)?;
+        let step_s = 1.0 / clip.rate_hz;
+        let mut signals = [&self.configuration, &self.acceleration].map(signal);
+        // of poses, the blend finds what is to be added to those of the source
+        let source = (self.options.outputs == Outputs::Poses).then(|| poses::of(rig, clip, None));
+        if let Some(source) = &source {
+            k.mean -= source;
+            a.mean -= poses::accelerations(source, step_s);
+            signals = [1.0; 2];
+        }
+        let to_differences = |d: DMatrix<f64>| match &source {
+            Some(source) => poses::differences(rig, clip, source, &(d + source)),
+            None => d,
+        };
         let kept = if self.options.gate { gates(&k.novelty, clip.rate_hz) } else { vec![1.0; frames.len()] };
-        let predicted = k.mean.clone();
+        let predicted = to_differences(k.mean.clone());
         let w = &self.options.weights;
         let unsure = k.variance.iter().map(|v| v.sqrt()).collect();
         let novelty = k.novelty.clone();
-        let evidence = |of: Batch, model: &ExampleModel, learned, source| {
-            Evidence::new(of.mean, &of.variance, signal(model), learned, source)
+        let evidence = |of: Batch, signal, learned, source| {
+            Evidence::new(of.mean, &of.variance, signal, learned, source)
         };
-        let configuration = evidence(k, &self.configuration, w.configuration, w.source);
-        let acceleration = evidence(a, &self.acceleration, w.acceleration, w.source_acceleration);
-        let step_s = 1.0 / clip.rate_hz;
-        let mut differences = blend(&configuration, &acceleration, step_s);
+        let configuration = evidence(k, signals[0], w.configuration, w.source);
+        let acceleration = evidence(a, signals[1], w.acceleration, w.source_acceleration);
+        let mut differences = to_differences(blend(&configuration, &acceleration, step_s));
         for (f, g) in kept.iter().enumerate() {
             differences.row_mut(f).scale_mut(*g);
         }
@@ -316,6 +348,9 @@ fn check(options: &ExampleOptions) -> Result<(), ExampleError> {
         if !(value.is_finite() && value >= 0.0) {
             return fault(what, value, "0 or more");
         }
+    }
+    if !(options.path_weight.is_finite() && options.path_weight >= 0.0) {
+        return fault("`path_weight`", options.path_weight, "0 or more");
     }
     if !(options.root_weight.is_finite() && options.root_weight > 0.0) {
         return fault("`root_weight`", options.root_weight, "above 0");
@@ -355,12 +390,13 @@ impl Rows {
             let source = Rig::find(file, &pair.source.skeleton).map_err(named)?;
             let target = Rig::find(file, &pair.target.skeleton).map_err(named)?;
             let frames = pair.examples(options.examples_hz)?;
-            let features = Features::of(&source, &pair.source, &frames, options.orientation);
-            let d = outputs::differences(
-                (&source, &pair.source),
-                (&target, &pair.target),
-                pair.times_s.as_deref(),
-            );
+            let features = Features::of(&source, &pair.source, &frames, options.recognised());
+            let (from, to, times) =
+                ((&source, &pair.source), (&target, &pair.target), pair.times_s.as_deref());
+            let d = match options.outputs {
+                Outputs::Differences => outputs::differences(from, to, times),
+                Outputs::Poses => poses::of(to.0, to.1, times),
+            };
             let rate_hz = pair.source.rate_hz;
             let last = d.nrows() - 1;
             let half = ((0.5 * super::features::APART_S * rate_hz).round() as usize).max(1);

@@ -5,12 +5,15 @@
 //!
 //! | columns | meaning | unit |
 //! |---|---|---|
-//! | joints, in the rig's order | `log(R_srcᵀ R_tgt)` in body axes of the zero pose; the difference of a hinge or slide | rad, sizes |
+//! | joints, in the rig's order | `log(Sᵀ R_tgt R_srcᵀ S)` in body axes of the zero pose; the difference of a hinge or slide | rad, sizes |
 //! | tilt, 3 | `log(T_srcᵀ T_tgt)` of the root's orientation without its heading, body axes | rad |
 //! | height | height of the root | sizes |
 //! | sideways, forward | speed of the root, each in the heading frame of its own clip | sizes per s |
 //! | turn | rate of the heading | rad/s |
 //! | time | `ln(seconds of the target / seconds of the source)` | – |
+//!
+//! S is the mean of R_src over 0.125 s (fewer frames at the ends of a clip): with `S = R_src` the first is `log(R_srcᵀ R_tgt)`. What trembles in the source (mocap: twist of an upper arm)
+//! would then turn the axes of the edit, and swing an arm that the edit has raised; so it stays a twist.
 //!
 //! Rotation vectors are continued over ±π from frame to frame. Speeds and rates are of source time and belong to the step
 //! from a frame to the next; the last frame has those of the step before it. Lengths are in sizes of the own skeleton of each, so that
@@ -29,19 +32,19 @@ use super::rig::{Moves, Rig, RigFile, Signed};
 /// Columns after those of the joints.
 pub(super) const ROOT: usize = 8;
 /// Among them: first of the tilt, height, sideways, forward, turn, time.
-const TILT: usize = 0;
-const HEIGHT: usize = 3;
+pub(super) const TILT: usize = 0;
+pub(super) const HEIGHT: usize = 3;
 const SIDEWAYS: usize = 4;
 const FORWARD: usize = 5;
 const TURN: usize = 6;
-const TIME: usize = 7;
+pub(super) const TIME: usize = 7;
 
 /// Number of columns.
 pub fn width(rig: &Rig) -> usize {
     joints_width(rig) + ROOT
 }
 
-fn joints_width(rig: &Rig) -> usize {
+pub(super) fn joints_width(rig: &Rig) -> usize {
     rig.joints().iter().map(|(_, m)| m.width()).sum()
 }
 
@@ -100,17 +103,18 @@ pub fn differences(source: (&Rig, &Clip), target: (&Rig, &Clip), times_s: Option
     let frames = from.frames();
     assert_eq!(frames, to.frames(), "frames of a pair");
     let mut out = DMatrix::zeros(frames, width(rig));
-    let step_s = 1.0 / from.rate_hz;
     let root = joints_width(rig);
     let paths = [Path::of(rig, from), Path::of(other, to)];
+    let smooth = Smooth::of(rig, from);
     for f in 0..frames {
         let (a, b) = (from.pose(f), to.pose(f));
         let mut column = 0;
-        for (&(i, moves), &(j, _)) in rig.joints().iter().zip(other.joints()) {
+        for (joint, (&(i, moves), &(j, _))) in rig.joints().iter().zip(other.joints()).enumerate() {
             match moves {
                 Moves::Ball => {
-                    let turn = rig.skeleton().rotation(a, i).inverse() * other.skeleton().rotation(b, j);
-                    write3(&mut out, f, column, &(rig.axes_from_link(i) * log(&turn)));
+                    let turn = other.skeleton().rotation(b, j) * rig.skeleton().rotation(a, i).inverse();
+                    let turn = smooth.at(f, joint).inverse() * log(&turn);
+                    write3(&mut out, f, column, &(rig.axes_from_link(i) * turn));
                 }
                 Moves::Axis => out[(f, column)] = axis(other, b, j) - axis(rig, a, i),
             }
@@ -119,30 +123,47 @@ pub fn differences(source: (&Rig, &Clip), target: (&Rig, &Clip), times_s: Option
         let tilt = paths[0].tilts[f].inverse() * paths[1].tilts[f];
         write3(&mut out, f, root + TILT, &log(&tilt));
         out[(f, root + HEIGHT)] = paths[1].places[f].y / other.size_m - paths[0].places[f].y / rig.size_m;
-        let step = f.min(frames.saturating_sub(2));
         if frames > 1 {
-            let (s, t) = (paths[0].step(step), paths[1].step(step));
-            out[(f, root + SIDEWAYS)] = (t.0.x / other.size_m - s.0.x / rig.size_m) / step_s;
-            out[(f, root + FORWARD)] = (t.0.z / other.size_m - s.0.z / rig.size_m) / step_s;
-            out[(f, root + TURN)] = (t.1 - s.1) / step_s;
-            if let Some(times) = times_s {
-                out[(f, root + TIME)] = ((times[step + 1] - times[step]) / step_s).ln();
-            }
+            let step = f.min(frames - 2);
+            let (s, t) = (paths[0].rates(step, from.rate_hz), paths[1].rates(step, from.rate_hz));
+            out[(f, root + SIDEWAYS)] = t.x / other.size_m - s.x / rig.size_m;
+            out[(f, root + FORWARD)] = t.z / other.size_m - s.z / rig.size_m;
+            out[(f, root + TURN)] = t.y - s.y;
+            out[(f, root + TIME)] = times_s.map_or(0.0, |times| log_step(times, f, from.rate_hz));
         }
     }
-    let mut column = 0;
-    for (_, moves) in rig.joints() {
-        if *moves == Moves::Ball {
-            continue_over_pi(&mut out, column);
-        }
-        column += moves.width();
-    }
-    continue_over_pi(&mut out, root + TILT);
+    continue_all(rig, &mut out);
     out
 }
 
+/// Logarithm of the time from frame `f` to the next over that of the rate; of the step before it at the last frame.
+pub(super) fn log_step(times: &[f64], f: usize, rate_hz: f64) -> f64 {
+    let Some(last_step) = times.len().checked_sub(2) else { return 0.0 };
+    let step = f.min(last_step);
+    ((times[step + 1] - times[step]) * rate_hz).ln()
+}
+
+/// First columns of the joints that are balls.
+pub(super) fn balls(rig: &Rig) -> Vec<usize> {
+    let mut column = 0;
+    let mut out = Vec::new();
+    for (_, moves) in rig.joints() {
+        if *moves == Moves::Ball {
+            out.push(column);
+        }
+        column += moves.width();
+    }
+    out
+}
+
+/// Continues the rotation vectors of all joints and of the lean over ±π.
+pub(super) fn continue_all(rig: &Rig, out: &mut DMatrix<f64>) {
+    balls(rig).into_iter().for_each(|column| continue_over_pi(out, column));
+    continue_over_pi(out, joints_width(rig) + TILT);
+}
+
 /// The angle of a hinge, or the way of a slide in sizes.
-fn axis(rig: &Rig, q: &[f64], link: usize) -> f64 {
+pub(super) fn axis(rig: &Rig, q: &[f64], link: usize) -> f64 {
     let x = q[rig.skeleton().q_at(link)];
     match rig.skeleton().links()[link].joint {
         Joint::Prismatic(_) => x / rig.size_m,
@@ -150,13 +171,13 @@ fn axis(rig: &Rig, q: &[f64], link: usize) -> f64 {
     }
 }
 
-fn write3(out: &mut DMatrix<f64>, row: usize, column: usize, v: &Vec3) {
+pub(super) fn write3(out: &mut DMatrix<f64>, row: usize, column: usize, v: &Vec3) {
     for c in 0..3 {
         out[(row, column + c)] = v[c];
     }
 }
 
-fn read3(d: &DMatrix<f64>, row: usize, column: usize) -> Vec3 {
+pub(super) fn read3(d: &DMatrix<f64>, row: usize, column: usize) -> Vec3 {
     Vec3::new(d[(row, column)], d[(row, column + 1)], d[(row, column + 2)])
 }
 
@@ -177,15 +198,56 @@ fn continue_over_pi(out: &mut DMatrix<f64>, column: usize) {
     }
 }
 
+/// Rotations of all joints of a clip, means over 0.125 s (fewer frames at the ends, equally many before and after): the axes that
+/// differences are in.
+#[derive(Clone, Debug)]
+pub(super) struct Smooth {
+    joints: usize,
+    rotations: Vec<Quat>,
+}
+
+impl Smooth {
+    pub fn of(rig: &Rig, clip: &Clip) -> Self {
+        let (s, last) = (rig.skeleton(), clip.frames() - 1);
+        let half = (0.5 * super::features::APART_S * clip.rate_hz).round() as usize;
+        let mut rotations = Vec::with_capacity(clip.frames() * rig.joints().len());
+        for f in 0..clip.frames() {
+            let half = half.min(f).min(last - f);
+            for &(link, moves) in rig.joints() {
+                let own = s.rotation(clip.pose(f), link);
+                let mut sum = own.coords;
+                if moves == Moves::Ball {
+                    for g in (f - half..=f + half).filter(|&g| g != f) {
+                        let other = s.rotation(clip.pose(g), link).coords;
+                        sum += other * own.coords.dot(&other).signum();
+                    }
+                }
+                rotations.push(Quat::new_normalize(nalgebra::Quaternion::from_vector(sum)));
+            }
+        }
+        Self { joints: rig.joints().len(), rotations }
+    }
+
+    /// Of the joint with this number in the rig.
+    pub fn at(&self, f: usize, joint: usize) -> &Quat {
+        &self.rotations[f * self.joints + joint]
+    }
+
+    /// The rotation `source` of a joint turned by a difference in the joint's own axes.
+    pub fn turned(&self, f: usize, joint: usize, source: &Quat, by: &Vec3) -> Quat {
+        exp(&(self.at(f, joint) * by)) * source
+    }
+}
+
 /// The path of a root: where it is, which way it faces, how it leans.
-struct Path {
-    places: Vec<Vec3>,
+pub(super) struct Path {
+    pub places: Vec<Vec3>,
     headings: Vec<Quat>,
-    tilts: Vec<Quat>,
+    pub tilts: Vec<Quat>,
 }
 
 impl Path {
-    fn of(rig: &Rig, clip: &Clip) -> Self {
+    pub fn of(rig: &Rig, clip: &Clip) -> Self {
         let zero = clip.skeleton.links()[0].parent_from_zero;
         let place = |f: usize| zero * nalgebra::Point3::from(clip.skeleton.position(clip.pose(f), 0));
         let headings = headings(rig, clip);
@@ -203,6 +265,12 @@ impl Path {
     fn step(&self, f: usize) -> (Vec3, f64) {
         let way = self.headings[f].inverse() * (self.places[f + 1] - self.places[f]);
         (way, log(&(self.headings[f].inverse() * self.headings[f + 1])).y)
+    }
+
+    /// Sideways and forward speed (x, z; m/s) and turn (y; rad/s) from this frame to the next.
+    pub fn rates(&self, f: usize, rate_hz: f64) -> Vec3 {
+        let (way, turn) = self.step(f);
+        Vec3::new(way.x, turn, way.z) * rate_hz
     }
 }
 
@@ -235,6 +303,7 @@ pub fn add(
     let root = joints_width(rig);
     let larger = onto_size_m / rig.size_m;
     let path = Path::of(rig, source);
+    let smooth = Smooth::of(rig, source);
     let step_s = 1.0 / source.rate_hz;
     let same = std::ptr::eq(onto.as_ref(), source.skeleton.as_ref()) || **onto == *source.skeleton;
     let steps = allowed.steps
@@ -246,9 +315,9 @@ pub fn add(
         let from = source.pose(f);
         let mut to = from.to_vec();
         let mut column = 0;
-        for (&(link, moves), &may) in rig.joints().iter().zip(&allowed.joints) {
+        for (joint, (&(_, moves), &may)) in rig.joints().iter().zip(&allowed.joints).enumerate() {
             if may {
-                move_joint(rig, &mut to, link, moves, d, f, column);
+                move_joint(rig, &smooth, &mut to, joint, d, f, column);
             }
             column += moves.width();
         }
@@ -288,14 +357,15 @@ pub fn add(
 /// Turns or moves one joint of the pose `to` by its difference.
 fn move_joint(
     rig: &Rig,
+    smooth: &Smooth,
     to: &mut [f64],
-    link: usize,
-    moves: Moves,
+    joint: usize,
     d: &DMatrix<f64>,
     f: usize,
     column: usize,
 ) {
     let s = rig.skeleton();
+    let (link, moves) = rig.joints()[joint];
     match moves {
         Moves::Ball => {
             let turn = read3(d, f, column);
@@ -305,7 +375,7 @@ fn move_joint(
             let own = rig.axes_from_link(link).inverse() * turn;
             match s.links()[link].joint {
                 Joint::Spherical | Joint::Free => {
-                    let r = s.rotation(to, link) * exp(&own);
+                    let r = smooth.turned(f, joint, &s.rotation(to, link), &own);
                     s.set_rotation(to, link, &r);
                 }
                 // what a ball was taught, a hinge does about its axis

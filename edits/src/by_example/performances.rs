@@ -16,7 +16,7 @@
 use learn::dtw::{self, Limits, Series};
 use motion::Clip;
 
-use super::features::{Features, Orientation};
+use super::features::{Features, Recognised};
 use super::{ExampleError, Pair, Rig};
 
 /// Least spread that a channel is divided by, in parts of the body's size.
@@ -60,7 +60,8 @@ pub fn correspond(name: &str, first: &Clip, second: &Clip) -> Result<Corresponde
     let second = resampled.as_ref().unwrap_or(second);
     let channels = |rig: &Rig, clip: &Clip| -> (Vec<f64>, usize) {
         let frames: Vec<usize> = (0..clip.frames()).collect();
-        let x = Features::of(rig, clip, &frames, Orientation::Heading).configuration;
+        let x = Features::of(rig, clip, &frames, Recognised { path_weight: 0.0, ..Recognised::default() })
+            .configuration;
         let n = x.nrows() as f64;
         let (mut out, width) = (vec![0.0; x.len()], x.ncols());
         for c in 0..width {

@@ -17,7 +17,7 @@ pub const LEAST_APART_RAD: f64 = 10.0 * std::f64::consts::PI / 180.0;
 
 /// Examples are neighbours up to this distance, in spacings (`learn`: the 99th percentile of the distances of examples to the nearest one of
 /// another time). A walk at 30 Hz moves farther than that from one example to the next.
-pub const NEIGHBOUR: f64 = 0.2;
+pub const NEIGHBOUR: f64 = 0.15;
 
 /// Frames to key next are this far apart at least, s.
 pub const KEYS_APART_S: f64 = 0.5;

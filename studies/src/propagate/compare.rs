@@ -13,7 +13,7 @@
 
 use std::sync::Arc;
 
-use edits::by_example::features::{Features, Orientation};
+use edits::by_example::features::{Features, Recognised};
 use edits::by_example::outputs::{self, Allowed};
 use edits::by_example::{ByExample, ExampleEdit, ExampleOptions, Pair, Rig};
 use edits::{Motion, Where};
@@ -189,15 +189,15 @@ fn keyed(rig: &Rig, pair: &Pair, keys: usize) -> DMatrix<f64> {
 struct Linear {
     mean: Vec<f64>,
     weights: DMatrix<f64>,
-    orientation: Orientation,
+    recognised: Recognised,
 }
 
 /// Ridge, as a share of the mean of the diagonal.
 const RIDGE: f64 = 1e-4;
 
 impl Linear {
-    fn rows(rig: &Rig, clip: &Clip, frames: &[usize], orientation: Orientation) -> DMatrix<f64> {
-        let f = Features::of(rig, clip, frames, orientation);
+    fn rows(rig: &Rig, clip: &Clip, frames: &[usize], recognised: Recognised) -> DMatrix<f64> {
+        let f = Features::of(rig, clip, frames, recognised);
         let (a, b) = (f.configuration.ncols(), f.acceleration.ncols());
         DMatrix::from_fn(frames.len(), a + b + 1, |r, c| match c {
             c if c < a => f.configuration[(r, c)],
@@ -212,7 +212,7 @@ impl Linear {
         for pair in pairs {
             let rig = Rig::of(&pair.source.skeleton)?;
             let frames = pair.examples(1e9)?;
-            x.push(Self::rows(&rig, &pair.source, &frames, options.orientation));
+            x.push(Self::rows(&rig, &pair.source, &frames, options.recognised()));
             let d = outputs::differences((&rig, &pair.source), (&rig, &pair.target), pair.times_s.as_deref());
             y.push(DMatrix::from_fn(frames.len(), d.ncols(), |r, c| d[(frames[r], c)]));
         }
@@ -232,12 +232,12 @@ impl Linear {
             gram[(i, i)] += ridge;
         }
         let alpha = gram.cholesky().map(|c| c.solve(&y)).expect("a ridge makes it definite");
-        Ok(Self { mean, weights: centred.transpose() * alpha, orientation: options.orientation })
+        Ok(Self { mean, weights: centred.transpose() * alpha, recognised: options.recognised() })
     }
 
     fn predict(&self, rig: &Rig, clip: &Clip) -> DMatrix<f64> {
         let frames: Vec<usize> = (0..clip.frames()).collect();
-        let mut x = Self::rows(rig, clip, &frames, self.orientation);
+        let mut x = Self::rows(rig, clip, &frames, self.recognised);
         let last = x.ncols() - 1;
         for c in 0..last {
             x.column_mut(c).add_scalar_mut(-self.mean[c]);

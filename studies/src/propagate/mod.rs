@@ -6,11 +6,13 @@
 //! | [`report`] | what is said of learning, applying and the project |
 //! | [`rules`] | known edits, to measure against |
 //! | [`compare`] | learned edits beside what an artist would do instead |
+//! | [`transition`] | how smoothly an edit comes and goes |
 
 pub mod compare;
 pub mod project;
 pub mod report;
 pub mod rules;
+pub mod transition;
 
 use std::path::PathBuf;
 

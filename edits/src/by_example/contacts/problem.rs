@@ -7,7 +7,7 @@ use std::ops::Range;
 
 use motion::ik::Axis;
 use motion::rotation::{Vec3, log, log_moment};
-use motion::{Clip, Kinematics};
+use motion::{Clip, Kinematics, Skeleton, smoothstep};
 
 use super::{Blended, FAR_M, LEVER_M, MOST_STEPS, SLOW_HZ, STIFFNESS, Standing};
 use crate::by_example::block_band::BlockBand;
@@ -15,9 +15,13 @@ use crate::by_example::contact_chain::Chain;
 use crate::by_example::solve::{Band, Form};
 
 /// A step that promises to lower E by less than this share is the last.
-const ENOUGH: f64 = 1e-5;
-/// Most halvings of a step.
-const MOST_HALVINGS: usize = 8;
+const ENOUGH: f64 = 1e-3;
+/// Most shares of a step that are tried.
+const MOST_TRIALS: usize = 6;
+/// Shares that differ by less than this are the same.
+const NEAR: f64 = 0.1;
+/// A leg that is so straight, distance over length, reaches a place less and less, and not at all.
+const STRAIGHT: (f64, f64) = (0.95, 0.99);
 /// Added to the diagonal, as a share of the weight of contacts: a path that nothing holds stays where it is.
 const RIDGE: f64 = 1e-12;
 /// A point that is where it should be to this is not moved, m.
@@ -63,12 +67,8 @@ impl<'a> Problem<'a> {
             second: band.second[frames.clone()].to_vec(),
         };
         let ridge = RIDGE * w;
-        let mut bands = [cut(form.band()), cut(form.band()), cut(path(form))];
-        for band in &mut bands[1..] {
-            for part in [&mut band.main, &mut band.first, &mut band.second] {
-                part.iter_mut().for_each(|x| *x *= form.root);
-            }
-        }
+        let firm = firm(&chain, clip, form, &standing, &frames);
+        let mut bands = [cut(form.band()), cut(firm.band()), cut(path(&firm))];
         bands[2].main.iter_mut().for_each(|x| *x += ridge);
         let mut active = vec![Vec::new(); frames.len()];
         for (i, one) in standing.iter().enumerate() {
@@ -220,6 +220,42 @@ impl<'a> Problem<'a> {
         moved
     }
 
+    /// Goes from `c` along −`step` into `trial`; returns by which share of it, and E there, which is not below `cost` if no share lowers it.
+    /// The slope is −2 `promise`. From E at a share that was tried a parabola says where E is least: Gauss–Newton leaves out how a
+    /// stretched leg stiffens, and goes too far.
+    fn along(
+        &mut self,
+        c: &[f64],
+        step: &[f64],
+        trial: &mut Vec<f64>,
+        cost: f64,
+        promise: f64,
+    ) -> (f64, f64) {
+        let go = |share: f64, out: &mut [f64]| {
+            out.iter_mut().zip(c).zip(step).for_each(|((t, c), s)| *t = c - share * s);
+        };
+        let mut best = (0.0, cost);
+        let mut share = 1.0;
+        let mut other = vec![0.0; c.len()];
+        for _ in 0..MOST_TRIALS {
+            go(share, &mut other);
+            let found = self.cost(&other);
+            let lowers = found < best.1;
+            if lowers {
+                best = (share, found);
+                std::mem::swap(trial, &mut other);
+            }
+            let bend = found - cost + 2.0 * promise * share;
+            let least = if bend > 0.0 { promise * share * share / bend } else { 2.0 * share };
+            let near = (least / share - 1.0).abs() < NEAR;
+            if best.0 > 0.0 && (!lowers || near) {
+                break;
+            }
+            share = least.clamp(0.1 * share, 2.0 * share);
+        }
+        best
+    }
+
     /// Minimises E from `c`; returns the number of steps, and whether the last was small.
     pub(super) fn minimise(&mut self, c: &mut Vec<f64>) -> (usize, bool) {
         let mut matrix = BlockBand::zeros(self.chain.width, self.frames.len());
@@ -238,19 +274,7 @@ impl<'a> Problem<'a> {
             }
             matrix.solve(&mut step);
             let promise = 0.5 * step.iter().zip(&gradient).map(|(s, g)| s * g).sum::<f64>();
-            let mut share = 1.0;
-            let mut halvings = 0;
-            let lower = loop {
-                for ((t, c), s) in trial.iter_mut().zip(c.iter()).zip(&step) {
-                    *t = c - share * s;
-                }
-                let lower = self.cost(&trial);
-                if lower < cost || halvings == MOST_HALVINGS {
-                    break lower;
-                }
-                share *= 0.5;
-                halvings += 1;
-            };
+            let (_, lower) = self.along(c, &step, &mut trial, cost, promise);
             if lower < cost {
                 std::mem::swap(c, &mut trial);
             }
@@ -262,6 +286,50 @@ impl<'a> Problem<'a> {
         }
         (MOST_STEPS, false)
     }
+}
+
+/// The form of the root's numbers: [`Form::root`] times the blend's in frames in which the legs reach the places of their contacts from
+/// where the blend has the root; where they do not, the blend's own, so that the root gives way.
+fn firm(
+    chain: &Chain<'_>,
+    blended: &Clip,
+    form: &Form,
+    standing: &[Standing],
+    frames: &Range<usize>,
+) -> Form {
+    let mut share = vec![0.0_f64; form.configuration.len()];
+    if form.root != 1.0 {
+        let s = &blended.skeleton;
+        let mut k = Kinematics::new(s, &s.zero_pose());
+        let legs: Vec<(usize, f64)> = standing.iter().map(|one| reach(s, one)).collect();
+        for f in frames.clone() {
+            let standing = standing.iter().zip(&legs).filter(|(one, _)| one.inside.contains(&f));
+            for (i, (one, (hip, length))) in standing.enumerate() {
+                if i == 0 {
+                    chain.update(blended.pose(f), &mut k);
+                }
+                let far = (one.goal(f).0 - k.origin(*hip)).norm() / length;
+                share[f] = share[f].max(smoothstep((far - STRAIGHT.0) / (STRAIGHT.1 - STRAIGHT.0)));
+            }
+        }
+    }
+    let firmer = |of: &[f64]| of.iter().zip(&share).map(|(w, s)| w * form.root.powf(1.0 - s)).collect();
+    Form {
+        configuration: firmer(&form.configuration),
+        acceleration: firmer(&form.acceleration),
+        ..form.clone()
+    }
+}
+
+/// The first link below the root on the way to a contact, and the length of the way from its origin to the point, m.
+fn reach(s: &Skeleton, one: &Standing) -> (usize, f64) {
+    let mut length = one.at.norm();
+    let mut link = one.link;
+    while let Some(parent) = s.links()[link].parent.filter(|&p| p != 0) {
+        length += s.links()[link].parent_from_zero.translation.vector.norm();
+        link = parent;
+    }
+    (link, length.max(f64::MIN_POSITIVE))
 }
 
 /// A_p: what the path's numbers cost. See the module header.
