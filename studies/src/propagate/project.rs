@@ -12,12 +12,16 @@
 //! in the result become a pair of their own. Every file is written whole or not at all, the pair's own file last, so that a run that is
 //! killed leaves no half of a pair.
 
+use std::collections::BTreeSet;
 use std::fs;
+use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use edits::by_example::edit::Applied;
-use edits::by_example::{ByExample, Contacts, ExampleEdit, ExampleOptions, Pair, Rig};
+use edits::by_example::{
+    ByExample, Contacts, ExampleEdit, ExampleOptions, Learning, Onto, Pair, Part, Rig, part,
+};
 use edits::{Motion, Where};
 use formats::bvh::{ImportOptions, WriteOptions};
 use motion::{Clip, Dof, Limb, Value};
@@ -25,6 +29,7 @@ use serde::{Deserialize, Serialize};
 use takes::results::folder::{Overwrite, write_file};
 
 use super::PropagateError;
+use super::background::Training;
 
 /// How much a joint may differ and still count as unchanged: what rounding in files leaves, rad.
 pub const SAME_RAD: f64 = 0.002;
@@ -115,11 +120,14 @@ impl Project {
         self.dir.join(MODEL)
     }
 
-    /// Adds a pair whose clips are on disk, and copies the files; returns the pair's file.
+    /// Adds a pair whose clips are on disk, and copies the files (of scenes, their motion as BVH); returns the pair's file.
     ///
     /// # Errors
     /// Clips that do not go together, files that cannot be read, a name that is taken.
     pub fn add(&self, pair: &Pair, source: &Path, target: &Path) -> Result<PathBuf, PropagateError> {
+        if takes::is_ron(source) || takes::is_ron(target) {
+            return self.add_pair(pair);
+        }
         self.check(pair)?;
         let copy = |path: &Path| fs::read(path).map_err(|e| file_fault(path, &e));
         let ending =
@@ -176,11 +184,11 @@ impl Project {
         Ok(own)
     }
 
-    /// All pairs, by name; of one context (and of none) where one is given.
+    /// The files of all pairs, by name; no clip is opened.
     ///
     /// # Errors
-    /// Pairs that cannot be read, with their file.
-    pub fn pairs(&self, context: Option<&str>) -> Result<Vec<Pair>, PropagateError> {
+    /// Files that make no sense, at their place.
+    pub fn files(&self) -> Result<Vec<(String, PairFile)>, PropagateError> {
         let dir = self.dir.join(PAIRS);
         let entries = fs::read_dir(&dir).map_err(|e| file_fault(&dir, &e))?;
         let mut files: Vec<PathBuf> = entries
@@ -188,17 +196,29 @@ impl Project {
             .filter(|path| path.extension().is_some_and(|e| e == "ron"))
             .collect();
         files.sort();
+        let name = |path: &Path| path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
+        files.iter().map(|path| Ok((name(path), read_ron(path)?))).collect()
+    }
+
+    /// All pairs, by name; of one context (and of none) where one is given.
+    ///
+    /// # Errors
+    /// Pairs that cannot be read, with their file; a context that no pair has.
+    pub fn pairs(&self, context: Option<&str>) -> Result<Vec<Pair>, PropagateError> {
+        let files = self.files()?;
+        let contexts: BTreeSet<&String> = files.iter().filter_map(|(_, f)| f.context.as_ref()).collect();
+        if let Some(asked) = context.filter(|asked| contexts.iter().all(|c| c != asked)) {
+            return Err(PropagateError::Context {
+                found: motion::names::echo(asked),
+                known: contexts.iter().map(|c| format!("`{c}`")).collect::<Vec<_>>().join(", "),
+            });
+        }
+        let dir = self.dir.join(PAIRS);
         let mut pairs = Vec::new();
-        for path in files {
-            let file: PairFile = read_ron(&path)?;
-            let wanted = match (&file.context, context) {
-                (None, _) | (_, None) => true,
-                (Some(own), Some(asked)) => own == asked,
-            };
-            if !wanted {
+        for (name, file) in files {
+            if !is_of(&file.context, context) {
                 continue;
             }
-            let name = path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
             pairs.push(Pair {
                 times_s: file.times_s,
                 spans_s: file.spans_s,
@@ -209,14 +229,62 @@ impl Project {
         Ok(pairs)
     }
 
+    /// Contexts of the pairs that a model was taught; pairs that were removed since are not known any more.
+    ///
+    /// # Errors
+    /// As [`Project::files`].
+    pub fn contexts(&self, edit: &ExampleEdit) -> Result<BTreeSet<String>, PropagateError> {
+        let files = self.files()?;
+        let taught = files.into_iter().filter(|(name, _)| edit.pairs.contains(name));
+        Ok(taught.filter_map(|(_, f)| f.context).collect())
+    }
+
+    /// Whether a model was taught the pairs that are there: all of them, or all of one context.
+    ///
+    /// # Errors
+    /// As [`Project::files`].
+    pub fn is_current(&self, edit: &ExampleEdit) -> Result<bool, PropagateError> {
+        let files = self.files()?;
+        let mut taught: Vec<&String> = edit.pairs.iter().collect();
+        taught.sort();
+        let of = |context: Option<&str>| {
+            let mut names: Vec<&String> =
+                files.iter().filter(|(_, f)| is_of(&f.context, context)).map(|(name, _)| name).collect();
+            names.sort();
+            names
+        };
+        let contexts = files.iter().map(|(_, f)| f.context.as_deref());
+        Ok(contexts.chain([None]).any(|c| of(c) == taught))
+    }
+
     /// Learns the edit of all pairs and writes the model.
     ///
     /// # Errors
     /// No pairs, pairs that do not go together, files that cannot be written.
     pub fn train(&self, context: Option<&str>) -> Result<ExampleEdit, PropagateError> {
-        let edit = ExampleEdit::learn(&self.pairs(context)?, &self.options)?;
+        self.train_watched(context, &|_| ControlFlow::Continue(()))
+    }
+
+    /// As [`Project::train`], watched ([`ExampleEdit::learn_watched`]); what is on disk stays as it is if it is ended.
+    ///
+    /// # Errors
+    /// As [`Project::train`]; [`edits::ExampleError::Cancelled`].
+    pub fn train_watched(
+        &self,
+        context: Option<&str>,
+        watch: &(dyn Fn(Learning) -> ControlFlow<()> + Sync),
+    ) -> Result<ExampleEdit, PropagateError> {
+        let edit = ExampleEdit::learn_watched(&self.pairs(context)?, &self.options, watch)?;
         self.save(&edit)?;
         Ok(edit)
+    }
+
+    /// Learns the edit of all pairs in a thread of its own; [`Project::save`] writes what it returns.
+    ///
+    /// # Errors
+    /// Pairs that cannot be read.
+    pub fn training(&self, context: Option<&str>) -> Result<Training, PropagateError> {
+        Training::start(self.pairs(context)?, self.options.clone())
     }
 
     /// Writes the model.
@@ -230,6 +298,14 @@ impl Project {
                 .map_err(|source| PropagateError::Model { path: path.clone(), source })?;
         }
         Ok(write_file(&path, &formats::example_file::bytes(edit), Overwrite::Allow, &[])?)
+    }
+}
+
+/// Whether a pair is learned where a context is asked for.
+fn is_of(own: &Option<String>, asked: Option<&str>) -> bool {
+    match (own, asked) {
+        (None, _) | (_, None) => true,
+        (Some(own), Some(asked)) => own == asked,
     }
 }
 
@@ -260,25 +336,79 @@ pub fn model(path: &Path) -> Result<ExampleEdit, PropagateError> {
     formats::example_file::open(&file).map_err(|source| PropagateError::Model { path: file, source })
 }
 
-/// The edit applied to a clip; contacts as asked, or as it was taught.
+/// How an edit is used on a clip.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Use {
+    /// How much of it; 1 is what was taught.
+    pub amount: f64,
+    /// Whether what stands keeps standing; `None`: as it was taught.
+    pub contacts: Option<Contacts>,
+    /// Where.
+    pub at: Where,
+    /// The body the result is on, if that is another than the clip's.
+    pub onto: Option<Onto>,
+}
+
+impl Default for Use {
+    fn default() -> Self {
+        Self { amount: 1.0, contacts: None, at: Where::default(), onto: None }
+    }
+}
+
+/// The edit applied to a clip.
 ///
 /// # Errors
-/// A clip of another rig, a place that it does not have; contacts to be kept of a clip in which nobody with feet moves.
-pub fn apply(
+/// A clip of another rig, a place or a body that it does not have; contacts to be kept of a clip in which nobody with feet moves.
+pub fn apply(edit: &Arc<ExampleEdit>, clip: &Clip, how: &Use) -> Result<Applied, PropagateError> {
+    let (edit, motion) = used(edit, clip, how)?;
+    let place = how.at.in_clip(&motion).map_err(PropagateError::Edit)?;
+    Ok(edit.run(&motion, &place)?)
+}
+
+/// What [`apply`] makes of the frames from `span_s.0` to `span_s.1`, before the rest is done: see [`edits::by_example::part`].
+///
+/// # Errors
+/// As [`apply`]; a span without frames.
+pub fn first(
     edit: &Arc<ExampleEdit>,
     clip: &Clip,
-    amount: f64,
-    contacts: Option<Contacts>,
-    at: &Where,
-) -> Result<Applied, PropagateError> {
+    how: &Use,
+    span_s: (f64, f64),
+) -> Result<Part, PropagateError> {
+    let (edit, motion) = used(edit, clip, how)?;
+    let place = how.at.in_clip(&motion).map_err(PropagateError::Edit)?;
+    Ok(part::first(&edit, &motion, &place, span_s)?)
+}
+
+/// The clip edit and the motion it acts on.
+fn used(edit: &Arc<ExampleEdit>, clip: &Clip, how: &Use) -> Result<(ByExample, Motion), PropagateError> {
     let whole = ByExample::new(edit.clone());
-    let contacts = contacts.unwrap_or(whole.contacts);
-    let motion = match contacts {
-        Contacts::Free => Motion::of(clip.clone()),
-        Contacts::Keep => footed(clip)?,
-    };
-    let place = at.in_clip(&motion).map_err(PropagateError::Edit)?;
-    Ok(ByExample { amount, contacts, ..whole }.run(&motion, &place)?)
+    let contacts = how.contacts.unwrap_or(whole.contacts);
+    let edit = ByExample { amount: how.amount, contacts, onto: how.onto.clone(), ..whole };
+    let motion = Motion::of(clip.clone());
+    Ok(match (contacts, &how.onto) {
+        (Contacts::Free, _) => (edit, motion),
+        (Contacts::Keep, None) => (edit, footed(clip)?),
+        (Contacts::Keep, Some(body)) => {
+            // the feet are those of the body that the result is on
+            let theirs = footed(&body.place(&motion)?.clip)?;
+            let onto = Some(Onto { skeleton: theirs.clip.skeleton.clone() });
+            (ByExample { onto, ..edit }, Motion { contacts: theirs.contacts, ..motion })
+        }
+    })
+}
+
+/// The body of a file: a clip of it, or a character.
+///
+/// # Errors
+/// Files that hold neither.
+pub fn body(path: &Path) -> Result<Onto, PropagateError> {
+    if !takes::is_ron(path) {
+        return Ok(Onto { skeleton: open(path)?.skeleton });
+    }
+    let character =
+        takes::character_file::read(path).map_err(|e| PropagateError::Scene(Box::new(e.into())))?;
+    Ok(Onto { skeleton: character.skeleton })
 }
 
 /// A clip with the steps of its feet: of the body that is guessed for it, whose legs it gets.
@@ -390,11 +520,18 @@ pub fn blended(result: &Clip, edited: &Clip, changes: &[Change], blend_s: f64) -
     (out, spans)
 }
 
-/// A clip of a project.
+/// A clip of a project: a file of a clip, or a scene, whose motion is then as it is written to BVH and read again.
 ///
 /// # Errors
-/// Of the format.
+/// Of the format; of the scene.
 pub fn open(path: &Path) -> Result<Clip, PropagateError> {
+    if takes::is_ron(path) {
+        let take = takes::open(path, &takes::Ask::default()).map_err(Box::new)?;
+        let written = formats::bvh::Bvh::parse(&bvh(&take.asked.clip)?)
+            .map_err(|e| PropagateError::Bvh(e.fault.to_string()))?;
+        let read = formats::bvh::import(&written, &ImportOptions::default());
+        return Ok(read.map_err(|e| PropagateError::Bvh(e.to_string()))?.0);
+    }
     let (clip, _) = formats::open_clip(path, &ImportOptions::default()).map_err(Box::new)?;
     Ok(clip)
 }
