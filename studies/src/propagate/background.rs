@@ -6,7 +6,7 @@
 
 use std::ops::ControlFlow;
 use std::sync::atomic::{AtomicBool, Ordering};
-use std::sync::mpsc::{Receiver, Sender, TryRecvError, channel};
+use std::sync::mpsc::{Receiver, Sender, channel};
 use std::sync::{Arc, Mutex, PoisonError};
 use std::thread::{self, JoinHandle};
 
@@ -48,7 +48,7 @@ pub struct Training {
 }
 
 impl Training {
-    /// Begins to learn the edit of the pairs.
+    /// Begins to learn the edit of the pairs; those of a project are `project.pairs(context)?`, and `project.save(&edit)?` keeps what is learned.
     ///
     /// # Errors
     /// No thread to be had.
@@ -148,10 +148,7 @@ impl Applying {
 
     /// The span, once it is there; `None` before, and after it was taken.
     pub fn first(&self) -> Option<Result<Part, PropagateError>> {
-        match self.first.try_recv() {
-            Ok(part) => Some(part),
-            Err(TryRecvError::Empty | TryRecvError::Disconnected) => None,
-        }
+        self.first.try_recv().ok()
     }
 
     /// Waits for the span; `None` after it was taken.

@@ -29,7 +29,6 @@ use serde::{Deserialize, Serialize};
 use takes::results::folder::{Overwrite, write_file};
 
 use super::PropagateError;
-use super::background::Training;
 
 /// How much a joint may differ and still count as unchanged: what rounding in files leaves, rad.
 pub const SAME_RAD: f64 = 0.002;
@@ -277,14 +276,6 @@ impl Project {
         let edit = ExampleEdit::learn_watched(&self.pairs(context)?, &self.options, watch)?;
         self.save(&edit)?;
         Ok(edit)
-    }
-
-    /// Learns the edit of all pairs in a thread of its own; [`Project::save`] writes what it returns.
-    ///
-    /// # Errors
-    /// Pairs that cannot be read.
-    pub fn training(&self, context: Option<&str>) -> Result<Training, PropagateError> {
-        Training::start(self.pairs(context)?, self.options.clone())
     }
 
     /// Writes the model.
