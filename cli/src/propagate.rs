@@ -9,7 +9,8 @@ use formats::glb;
 use formats::table::{ClipOut, endings};
 use motion::Clip;
 use serde_json::json;
-use studies::propagate::project::{self, Change, Project, Use};
+use studies::propagate::apply::{self, Use};
+use studies::propagate::project::{self, Change, Project};
 use studies::propagate::{EditOptions, Learning, Pair, PropagateError, Where, report};
 use takes::results::folder::{check_file, write_file};
 
@@ -96,9 +97,9 @@ fn apply(args: &ApplyArgs) -> Result<(), Failure> {
     check(&args.output, args.force, &reads)?;
     let (edit, clip) = (Arc::new(project::model(&args.model)?), project::open(&args.clip)?);
     let at = Where { parts: args.place.parts.clone(), span_s: args.place.span, ..Where::default() };
-    let onto = args.place.onto.as_deref().map(project::body).transpose()?;
+    let onto = args.place.onto.as_deref().map(apply::body).transpose()?;
     let how = Use { amount: args.place.amount, contacts: args.place.contacts, at, onto };
-    let done = project::apply(&edit, &clip, &how)?;
+    let done = apply::apply(&edit, &clip, &how)?;
     put(&args.output, &done.edited.clip, &args.clip, args.force, &reads)?;
     let report = report::applied(&clip, &done);
     if args.json {
@@ -111,7 +112,7 @@ fn export(args: &ExportArgs) -> Result<(), Failure> {
     let reads = reads(&args.model, &args.clip);
     check(&args.output, args.force, &reads)?;
     let (edit, clip) = (Arc::new(project::model(&args.model)?), project::open(&args.clip)?);
-    let done = project::apply(&edit, &clip, &Use::default())?;
+    let done = apply::apply(&edit, &clip, &Use::default())?;
     put(&args.output, &done.untimed, &args.clip, args.force, &reads)?;
     let (model, input, out) = (args.model.display(), args.clip.display(), args.output.display());
     output::print(&format!(
@@ -126,7 +127,7 @@ fn correct(args: &CorrectArgs) -> Result<(), Failure> {
     let project = Project::open(&args.project)?;
     let mut edit = project::model(&args.project)?;
     let (clip, edited) = (project::open(&args.clip)?, project::open(&args.from)?);
-    let done = project::apply(&Arc::new(edit.clone()), &clip, &Use::default())?;
+    let done = apply::apply(&Arc::new(edit.clone()), &clip, &Use::default())?;
     let changes = project::changes(&done.untimed, &edited)?;
     let (target, spans_s) = project::blended(&done.untimed, &edited, &changes, args.blend);
     let times_s = report::times(&clip, &done);

@@ -10,7 +10,8 @@ use std::time::Instant;
 
 use motion::rotation::exp;
 use motion::{Clip, Vec3};
-use studies::propagate::project::{Use, apply, blended, changes, first};
+use studies::propagate::apply::{Use, apply, first};
+use studies::propagate::project::{blended, changes};
 use studies::propagate::route::Change;
 use studies::propagate::shipped::{Shipped, clip, errand};
 use studies::propagate::{ExampleEdit, Pair, PropagateError};

@@ -10,9 +10,8 @@ use std::sync::Arc;
 
 use plots::predicted::{Predicted, prediction};
 use plots::{StripOptions, StripRow, View, film_strip_with};
-use studies::propagate::project::{Use, apply};
-use studies::propagate::route::{Change, Leg, Scene};
-use studies::propagate::shipped::{Shipped, errand, pair, short_errand};
+use studies::propagate::apply::{Use, apply};
+use studies::propagate::shipped::{Shipped, errand, pair};
 use takes::results::folder::{Overwrite, write_file};
 
 fn main() -> Result<(), Box<dyn Error>> {
@@ -106,27 +105,10 @@ fn report(shipped: Shipped, out: Option<&Path>) -> Result<(), Box<dyn Error>> {
 /// Writes the training performances, the scene that uses the edit, and the edit.
 fn scenes(shipped: Shipped) -> Result<(), Box<dyn Error>> {
     let root = support::root().join("scenes");
-    let (name, taught_on) = (shipped.name(), shipped.taught_on());
-    let text = |legs: &[Leg], change, character, about: &str, edits: &str| {
-        Scene { legs, change, character, about, edits }.text()
-    };
-    let training = shipped.training();
-    let (before, after) = shipped.about();
-    let beside = "../characters/human.ron";
-    let model = format!("propagate/{name}.edit");
-    let uses = format!("ByExample(model: \"{model}\")");
-    let files = [
-        (format!("propagate/{taught_on}.ron"), text(&training, Change::None, beside, before, "")),
-        (format!("propagate/{taught_on}-{name}.ron"), text(&training, shipped.change(), beside, after, "")),
-        (
-            format!("{name}.ron"),
-            text(&short_errand(), Change::None, "characters/human.ron", shipped.look(), &uses),
-        ),
-    ];
     std::fs::create_dir_all(root.join("propagate"))?;
-    let edit = formats::example_file::bytes(&shipped.learn_small()?);
-    let files = files.map(|(file, text)| (file, text.into_bytes()));
-    for (file, bytes) in files.into_iter().chain([(model.clone(), edit)]) {
+    let edit = (shipped.model(), formats::example_file::bytes(&shipped.learn_small()?));
+    let texts = shipped.scenes().map(|(file, text)| (file, text.into_bytes()));
+    for (file, bytes) in texts.into_iter().chain([edit]) {
         let path = root.join(&file);
         // what is the same is not touched, so that nothing is built again
         if std::fs::read(&path).is_ok_and(|old| old == bytes) {

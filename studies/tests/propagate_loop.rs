@@ -9,8 +9,8 @@ use edits::by_example::part::{MARGIN_S, SAME_RAD};
 use edits::by_example::{ExampleError, ExampleOptions, leg_m};
 use motion::rotation::log;
 use motion::{Clip, Kinematics, Skeleton};
+use studies::propagate::apply::{Use, apply, first};
 use studies::propagate::background::{Applying, Training};
-use studies::propagate::project::{Use, apply, first};
 use studies::propagate::route::Change;
 use studies::propagate::shipped::{Held, Shipped, clip, errand, pair, short_errand};
 use studies::propagate::{ExampleEdit, Onto, PropagateError};
@@ -67,6 +67,15 @@ fn scenes_that_ship_hold() {
         let (walking, standing) = if shipped == Shipped::LeanBack { (1.5, 0.7) } else { (8.0, 3.0) };
         assert!(held.walking_deg.0 < walking && held.standing_deg.0 < standing, "{shipped:?}: {held:?}");
         assert!(held.frames.0 > 200 && held.frames.1 > 200, "{held:?}");
+    }
+}
+
+/// The scenes on disk are what the maker writes: `cargo run --release -p studies --example shipped_edits -- --write`.
+#[test]
+fn scenes_that_ship_are_what_is_made() {
+    for (file, text) in Shipped::ALL.into_iter().flat_map(Shipped::scenes) {
+        let found = std::fs::read_to_string(support::root().join("scenes").join(&file)).unwrap();
+        assert!(found == text, "{file} is another text");
     }
 }
 

@@ -15,7 +15,7 @@ use edits::by_example::{ExampleEdit, ExampleError, ExampleOptions, Learning, Pai
 use motion::Clip;
 
 use super::PropagateError;
-use super::project::{Use, apply, first};
+use super::apply::{Use, apply, first};
 
 /// How far a training is. See [`Training::progress`].
 #[derive(Clone, Copy, Debug, PartialEq)]

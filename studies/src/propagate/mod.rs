@@ -3,6 +3,7 @@
 //! | module | holds |
 //! |---|---|
 //! | [`project`] | pairs, corrections and the model on disk |
+//! | [`apply`] | an edit used on a clip |
 //! | [`background`] | learning and applying in threads of their own |
 //! | [`report`] | what is said of learning, applying and the project |
 //! | [`rules`] | known edits, to measure against |
@@ -10,6 +11,7 @@
 //! | [`shipped`] | the two edits that ship, and how well they hold |
 //! | [`compare`] | learned edits beside what an artist would do instead |
 
+pub mod apply;
 pub mod background;
 pub mod compare;
 pub mod project;

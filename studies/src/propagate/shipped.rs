@@ -132,6 +132,29 @@ impl Shipped {
         Ok(ExampleEdit::learn(&[self.pair()?], &ExampleOptions { examples_hz, ..ExampleOptions::default() })?)
     }
 
+    /// The scenes that ship, below `scenes/`, with their texts: what it is taught on, the same as it should be, and the scene that uses it.
+    pub fn scenes(self) -> [(String, String); 3] {
+        let (name, taught_on, training) = (self.name(), self.taught_on(), self.training());
+        let (before, after) = self.about();
+        let uses = format!("ByExample(model: \"{}\")", self.model());
+        let beside = "../characters/human.ron";
+        let text =
+            |change, about| Scene { legs: &training, change, character: beside, about, edits: "" }.text();
+        let (legs, about) = (&short_errand(), self.look());
+        let character = "characters/human.ron";
+        let scene = Scene { legs, change: Change::None, character, about, edits: &uses }.text();
+        [
+            (format!("propagate/{taught_on}.ron"), text(Change::None, before)),
+            (format!("propagate/{taught_on}-{name}.ron"), text(self.change(), after)),
+            (format!("{name}.ron"), scene),
+        ]
+    }
+
+    /// The learned edit that ships, below `scenes/`.
+    pub fn model(self) -> String {
+        format!("propagate/{}.edit", self.name())
+    }
+
     /// What it is about, degrees, one a frame: how far the trunk leans forward, or how far the arms are from hanging (mean of both).
     ///
     /// # Panics
@@ -229,7 +252,7 @@ impl Shipped {
     }
 
     /// What to look at in the training performance, before and after the change.
-    pub fn about(self) -> (&'static str, &'static str) {
+    fn about(self) -> (&'static str, &'static str) {
         match self {
             Self::LeanBack => (
                 "A stroll to teach an edit on: walks at three speeds, straight and turning, stops, and a turn on the spot.\n\
@@ -247,7 +270,7 @@ impl Shipped {
     }
 
     /// What to look at in the scene that uses the edit.
-    pub fn look(self) -> &'static str {
+    fn look(self) -> &'static str {
         match self {
             Self::LeanBack => {
                 "A short errand, edited by what was learned from `propagate/stroll.ron`: it leans back while it walks, and stands straight.\n\
