@@ -40,7 +40,8 @@ fn lean_back_holds_on_an_errand() {
         "{held:?}"
     );
 }
-const LEAN: (f64, f64, f64) = (1.5, 0.7, 2.5);
+/// RMS while walking, standing and in between, degrees; 0.54, 0.02 and 2.1 seen.
+const LEAN: (f64, f64, f64) = (1.0, 0.2, 3.0);
 
 /// 74 frames teach arms out while walking.
 #[test]
@@ -53,7 +54,8 @@ fn arms_out_hold_on_an_errand() {
         "{held:?}"
     );
 }
-const ARMS: (f64, f64, f64) = (8.0, 3.0, 10.0);
+/// The same; 4.2, 0.9 and 5.7 seen.
+const ARMS: (f64, f64, f64) = (6.0, 1.5, 8.0);
 
 /// The scenes that ship use the edits that ship, by name, and move as the script of the change has it.
 #[test]
@@ -64,7 +66,8 @@ fn scenes_that_ship_hold() {
             [Change::None, shipped.change()].map(|change| clip(&short_errand(), change).unwrap());
         assert_eq!(take.asked.clip.frames(), source.frames());
         let held = shipped.held(&source, &truth, &take.asked.clip);
-        let (walking, standing) = if shipped == Shipped::LeanBack { (1.5, 0.7) } else { (8.0, 3.0) };
+        let (walking, standing, _) = if shipped == Shipped::LeanBack { LEAN } else { ARMS };
+        println!("{shipped:?}: {held:?}");
         assert!(held.walking_deg.0 < walking && held.standing_deg.0 < standing, "{shipped:?}: {held:?}");
         assert!(held.frames.0 > 200 && held.frames.1 > 200, "{held:?}");
     }
@@ -129,7 +132,7 @@ fn a_span_first_is_that_of_the_whole() {
         }
     }
     println!("a span with {MARGIN_S} s on both sides: {worst} rad from the whole");
-    assert!(worst < SAME_RAD, "{worst}");
+    assert!(worst < SAME_RAD, "{worst}"); // 4.3e-6 seen
     let (from_s, to_s) = (2.0, 3.5);
     let applying = Applying::start(edit.clone(), source.clone(), how.clone(), (from_s, to_s)).unwrap();
     let part = applying.wait_first().unwrap().unwrap();
@@ -203,7 +206,7 @@ fn another_body_keeps_joints_and_feet() {
         1e3 * more,
         1e3 * height
     );
-    assert!(more < 0.05 && height < 0.02, "{more} m/s, {height} m");
+    assert!(more < 0.05 && height < 0.02, "{more} m/s, {height} m"); // 0.039, 0.009 seen
     // kept inside the solve they stand
     let contacts = Some(studies::propagate::Contacts::Keep);
     let kept = apply(&edit, &source, &Use { onto, contacts, ..Use::default() }).unwrap();
