@@ -1,7 +1,7 @@
 //! Lists the files of the library, so that a new scene is one new file and nothing else.
 //!
-//! In: every `*.ron` in this folder and in the folders directly below it. Out: `library.rs` in `OUT_DIR`, the table
-//! `ENTRIES` of `src/library.rs`: files of this folder first (as `scenes/NAME.ron`), then folder by folder, sorted.
+//! In: every `*.ron` and every learned edit (`*.edit`) in this folder and in the folders directly below it. Out: `library.rs` in `OUT_DIR`, the
+//! tables `ENTRIES` and `DATA` of `src/library.rs`: files of this folder first (as `scenes/NAME.ron`), then folder by folder, sorted.
 //!
 //! Cargo runs it again when anything in the folder changes, a file added or removed included.
 
@@ -22,16 +22,20 @@ fn main() -> io::Result<()> {
         }
     }
     let mut table = String::from("static ENTRIES: &[Entry] = &[\n");
+    let mut data = String::from("static DATA: &[Data] = &[\n");
     for (folder, path) in folders {
         for file in children(&path)? {
-            if file.is_file() && file.extension().is_some_and(|e| e == "ron") {
-                let name = format!("{folder}/{}", name_of(&file));
+            let name = format!("{folder}/{}", name_of(&file));
+            let is = |ending: &str| file.is_file() && file.extension().is_some_and(|e| e == ending);
+            if is("ron") {
                 table += &format!("    Entry {{ path: {name:?}, text: include_str!({file:?}) }},\n");
+            }
+            if is("edit") {
+                data += &format!("    Data {{ path: {name:?}, bytes: include_bytes!({file:?}) }},\n");
             }
         }
     }
-    table += "];\n";
-    fs::write(out.join("library.rs"), table)?;
+    fs::write(out.join("library.rs"), format!("{table}];\n{data}];\n"))?;
     println!("cargo::rerun-if-changed={}", home.display());
     Ok(())
 }

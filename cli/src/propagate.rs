@@ -1,6 +1,7 @@
 //! `propagate`: an edit learned from a few edited seconds, applied to other motion, corrected, learned again.
 
 use std::fmt::Write;
+use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
@@ -8,8 +9,9 @@ use formats::glb;
 use formats::table::{ClipOut, endings};
 use motion::Clip;
 use serde_json::json;
+use studies::propagate::apply::{self, Use};
 use studies::propagate::project::{self, Change, Project};
-use studies::propagate::{EditOptions, Pair, PropagateError, Where, report};
+use studies::propagate::{EditOptions, Learning, Pair, PropagateError, Where, report};
 use takes::results::folder::{check_file, write_file};
 
 use crate::failure::Failure;
@@ -73,7 +75,11 @@ fn train(args: &TrainArgs) -> Result<(), Failure> {
     }
     let progress = progress();
     progress.part("learning");
-    let edit = project.train(args.context.as_deref())?;
+    let edit = project.train_watched(args.context.as_deref(), &|l: Learning| {
+        let before = if l.model == "configurations" { 0.0 } else { 0.5 };
+        progress.at(before + 0.5 * l.evaluations as f64 / l.of.max(1) as f64);
+        ControlFlow::Continue(())
+    })?;
     let learned = report::learned(&edit);
     if args.json {
         return output::json(&learned);
@@ -86,11 +92,14 @@ fn train(args: &TrainArgs) -> Result<(), Failure> {
 }
 
 fn apply(args: &ApplyArgs) -> Result<(), Failure> {
-    let reads = reads(&args.model, &args.clip);
+    let mut reads = reads(&args.model, &args.clip);
+    reads.extend(args.place.onto.clone());
     check(&args.output, args.force, &reads)?;
     let (edit, clip) = (Arc::new(project::model(&args.model)?), project::open(&args.clip)?);
     let at = Where { parts: args.place.parts.clone(), span_s: args.place.span, ..Where::default() };
-    let done = project::apply(&edit, &clip, args.place.amount, args.place.contacts, &at)?;
+    let onto = args.place.onto.as_deref().map(apply::body).transpose()?;
+    let how = Use { amount: args.place.amount, contacts: args.place.contacts, at, onto };
+    let done = apply::apply(&edit, &clip, &how)?;
     put(&args.output, &done.edited.clip, &args.clip, args.force, &reads)?;
     let report = report::applied(&clip, &done);
     if args.json {
@@ -103,7 +112,7 @@ fn export(args: &ExportArgs) -> Result<(), Failure> {
     let reads = reads(&args.model, &args.clip);
     check(&args.output, args.force, &reads)?;
     let (edit, clip) = (Arc::new(project::model(&args.model)?), project::open(&args.clip)?);
-    let done = project::apply(&edit, &clip, 1.0, None, &Where::default())?;
+    let done = apply::apply(&edit, &clip, &Use::default())?;
     put(&args.output, &done.untimed, &args.clip, args.force, &reads)?;
     let (model, input, out) = (args.model.display(), args.clip.display(), args.output.display());
     output::print(&format!(
@@ -118,7 +127,7 @@ fn correct(args: &CorrectArgs) -> Result<(), Failure> {
     let project = Project::open(&args.project)?;
     let mut edit = project::model(&args.project)?;
     let (clip, edited) = (project::open(&args.clip)?, project::open(&args.from)?);
-    let done = project::apply(&Arc::new(edit.clone()), &clip, 1.0, None, &Where::default())?;
+    let done = apply::apply(&Arc::new(edit.clone()), &clip, &Use::default())?;
     let changes = project::changes(&done.untimed, &edited)?;
     let (target, spans_s) = project::blended(&done.untimed, &edited, &changes, args.blend);
     let times_s = report::times(&clip, &done);
@@ -127,7 +136,20 @@ fn correct(args: &CorrectArgs) -> Result<(), Failure> {
     let file = project.add_pair(&pair)?;
     let mut text = describe(&changes);
     let _ = writeln!(text, "wrote {}", file.display());
-    if !args.no_train {
+    let others: Vec<String> = project
+        .contexts(&edit)?
+        .into_iter()
+        .filter(|c| pair.context.as_ref().is_some_and(|own| own != c))
+        .collect();
+    if let (Some(own), false) = (&pair.context, others.is_empty()) {
+        // an edit of one context is not taught the examples of another
+        let dir = project.dir().display();
+        let _ = writeln!(
+            text,
+            "the model is of context {}: it stays as it is; `propagate train {dir} --context {own}` learns this one",
+            others.join(", ")
+        );
+    } else if !args.no_train {
         edit.grow(std::slice::from_ref(&pair)).map_err(PropagateError::from)?;
         project.save(&edit)?;
         let _ = writeln!(

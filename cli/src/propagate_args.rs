@@ -25,11 +25,12 @@ Examples:
   contrapposto propagate new lean --source walk.bvh --target walk-leaning.bvh
   contrapposto propagate train lean
   contrapposto propagate apply lean other-walk.bvh other-leaning.bvh
+  contrapposto propagate apply lean walk.bvh tall-leaning.bvh --onto tall.bvh   on a body of other proportions
   contrapposto propagate export lean turn.bvh turn-to-correct.bvh    edit some frames of it in Blender, then
   contrapposto propagate correct lean turn.bvh --from turn-edited.bvh
   contrapposto propagate status lean turn.bvh                        what to key next
 
-Frame n of a target is frame n of its source, edited. In a scene: edits: [ByExample(model: \"lean/model.edit\")].
+Frame n of a target is frame n of its source, edited. A clip may also be a scene (.ron): its motion. In a scene: edits: [ByExample(model: \"lean/model.edit\")].
 docs/BY_EXAMPLE.md has the method and its numbers.";
 
 /// A step of the loop.
@@ -106,6 +107,9 @@ pub struct PlaceArgs {
     /// Only this time, s
     #[arg(long, value_name = "FROM,TO", value_parser = span, allow_negative_numbers = true)]
     pub span: Option<(f64, f64)>,
+    /// Put the result on this body of other proportions: a clip of it, or a character file with the same joints
+    #[arg(long, value_name = "CLIP|BODY.ron")]
+    pub onto: Option<PathBuf>,
 }
 
 /// What to apply to what.

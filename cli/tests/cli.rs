@@ -24,6 +24,8 @@ mod plot;
 mod pose;
 #[path = "cli/propagate.rs"]
 mod propagate;
+#[path = "cli/propagate_loop.rs"]
+mod propagate_loop;
 #[path = "cli/push.rs"]
 mod push;
 #[path = "cli/references.rs"]

@@ -20,6 +20,9 @@ pub struct Motion {
     pub floor_m: Option<f64>,
     /// The script it was sampled from, in the script's own time.
     pub tracks: Option<Arc<Tracks>>,
+    /// The motion as it will be seen, where that is known to differ: with feet planted, which a script has only afterwards. Frames are those
+    /// of `clip`. What recognises a motion looks at this one; what is changed is `clip`.
+    pub seen: Option<Clip>,
     /// From the time of the motion before any clip edit (the script's) to that of `clip`.
     pub times: TimeMap,
 }
@@ -32,6 +35,7 @@ impl Motion {
             contacts: ContactPlan::default(),
             floor_m: None,
             tracks: None,
+            seen: None,
             times: TimeMap::identity(),
         }
     }
@@ -39,7 +43,7 @@ impl Motion {
     /// The motion after an edit, for the next one.
     pub fn with(self, edited: Edited) -> Self {
         let times = self.times.then(&edited.times);
-        Self { clip: edited.clip, contacts: edited.contacts, times, ..self }
+        Self { clip: edited.clip, contacts: edited.contacts, times, seen: None, ..self }
     }
 }
 

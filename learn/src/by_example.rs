@@ -4,12 +4,14 @@
 //! all its examples at the same kernel: equal to rounding.
 
 use std::fmt;
+use std::ops::ControlFlow;
 use std::str::FromStr;
 
 use nalgebra::DMatrix;
 use serde::{Deserialize, Serialize};
 
 use crate::dense::distance_squared;
+use crate::descend::Watch;
 use crate::error::{FitError, InputError};
 use crate::examples::Examples;
 use crate::known::{Known, each};
@@ -107,8 +109,23 @@ impl ExampleModel {
         examples: &Examples,
         options: &ExampleOptions,
     ) -> Result<Self, FitError> {
+        ExampleModel::fit_watched(method, examples, options, &|_| ControlFlow::Continue(()))
+    }
+
+    /// As [`ExampleModel::fit`], watched: see [`RbfRegression::fit_watched`]. Models that learn nothing are not watched.
+    ///
+    /// # Errors
+    /// As [`ExampleModel::fit`]; [`FitError::Cancelled`].
+    pub fn fit_watched(
+        method: ExampleMethod,
+        examples: &Examples,
+        options: &ExampleOptions,
+        watch: &Watch<'_>,
+    ) -> Result<Self, FitError> {
         Ok(match method {
-            ExampleMethod::Gp => ExampleModel::Gp(Box::new(RbfRegression::fit(examples, &options.gp)?)),
+            ExampleMethod::Gp => {
+                ExampleModel::Gp(Box::new(RbfRegression::fit_watched(examples, &options.gp, watch)?))
+            }
             ExampleMethod::Mls => {
                 ExampleModel::Mls(Box::new(MovingLeastSquares::fit(examples, &options.mls)?))
             }

@@ -5,6 +5,7 @@
 //! length one.
 
 use std::cell::RefCell;
+use std::ops::ControlFlow;
 
 use argmin::core::{CostFunction, Error, Executor, Gradient, State};
 use argmin::solver::linesearch::MoreThuenteLineSearch;
@@ -24,6 +25,40 @@ const ENOUGH: f64 = 1e-10;
 pub(crate) trait Objective {
     /// Writes the gradient at `p`, returns the value.
     fn evaluate(&mut self, p: &[f64], gradient: &mut [f64]) -> Result<f64, FitError>;
+}
+
+/// Who looks on while a model is fitted: told how often the likelihood was evaluated so far, before the next time; may end it.
+pub type Watch<'a> = dyn Fn(usize) -> ControlFlow<()> + Sync + 'a;
+
+/// An objective that is watched. Once it was ended, nothing is evaluated.
+pub(crate) struct Watched<'a, 'w, O> {
+    objective: &'a mut O,
+    watch: &'a Watch<'w>,
+    evaluations: usize,
+    ended: bool,
+}
+
+impl<'a, 'w, O: Objective> Watched<'a, 'w, O> {
+    pub(crate) fn new(objective: &'a mut O, watch: &'a Watch<'w>) -> Self {
+        Self { objective, watch, evaluations: 0, ended: false }
+    }
+
+    /// As [`descend`]; [`FitError::Cancelled`] where the watcher ended it, whatever the optimiser made of that.
+    pub(crate) fn descend(mut self, start: Vec<f64>, iterations: usize) -> Result<Descent, FitError> {
+        let found = descend(&mut self, start, iterations);
+        if self.ended { Err(FitError::Cancelled { evaluations: self.evaluations }) } else { found }
+    }
+}
+
+impl<O: Objective> Objective for Watched<'_, '_, O> {
+    fn evaluate(&mut self, p: &[f64], gradient: &mut [f64]) -> Result<f64, FitError> {
+        if self.ended || (self.watch)(self.evaluations).is_break() {
+            self.ended = true;
+            return Err(FitError::Cancelled { evaluations: self.evaluations });
+        }
+        self.evaluations += 1;
+        self.objective.evaluate(p, gradient)
+    }
 }
 
 /// Where a minimisation ended.

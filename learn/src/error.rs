@@ -21,6 +21,12 @@ impl std::fmt::Display for Side {
 /// Why nothing can be learned from these pairs. Pairs are counted from 0.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum FitError {
+    /// Whoever watched ended it.
+    #[error("cancelled after {evaluations} evaluations of the likelihood")]
+    Cancelled {
+        /// How often the likelihood was evaluated.
+        evaluations: usize,
+    },
     /// Fewer pairs than the model needs.
     #[error("{found} pairs, at least {least} are needed")]
     TooFew {

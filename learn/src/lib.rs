@@ -92,6 +92,7 @@ pub mod suggest;
 pub mod validate;
 
 pub use by_example::{ExampleMethod, ExampleModel, ExampleOptions, NearestExamples};
+pub use descend::Watch;
 pub use error::{FitError, InputError};
 pub use examples::{Examples, Mirror, Moment};
 pub use gp::GpRegression;

@@ -16,6 +16,7 @@
 //! | [`residual`] | momentum that neither gravity nor contacts explain |
 //! | [`graded`] | residual force and moment against OpenSim's guideline |
 //! | [`learning`] | learning curves: error over how much was given |
+//! | [`predicted`] | what a learned edit predicts, with how unsure it is, and the answer |
 //! | [`momentum`] | linear and angular momentum |
 //! | [`torque`] | torques of the joints that work hardest, over their noise |
 //! | [`energy`] | energies, and the power of the joints |
@@ -52,6 +53,7 @@ pub mod momentum;
 pub mod overlay;
 pub mod panel;
 pub mod polar;
+pub mod predicted;
 pub mod residual;
 pub mod retargeted;
 pub mod solid;

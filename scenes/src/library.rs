@@ -1,7 +1,7 @@
 //! The library: scenes, performances, characters and key poses that are inside the program.
 //!
 //! In: a name or a path as a person gives it, and what kind of file is expected. Out: a path that [`crate::Source`] reads.
-//! `build.rs` embeds every `*.ron` of this crate's folder; a new scene is one new file.
+//! `build.rs` embeds every `*.ron` of this crate's folder, and the learned edits (`*.edit`) that scenes name; a new scene is one new file.
 //!
 //! A file of the library has a *location*: a path that begins with `library:`, such as `library:scenes/bow.ron` or
 //! `library:characters/human.ron`. A location stands wherever a path may: on the command line, in a scene file, in an
@@ -13,7 +13,7 @@ use std::path::{Path, PathBuf};
 
 use motion::names::distance;
 
-// the table `ENTRIES`, see build.rs
+// the tables `ENTRIES` and `DATA`, see build.rs
 include!(concat!(env!("OUT_DIR"), "/library.rs"));
 
 /// How a location in the library begins.
@@ -91,6 +91,19 @@ impl Entry {
     }
 }
 
+/// A file of the library that is no text, and that texts name: a learned edit.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+struct Data {
+    path: &'static str,
+    bytes: &'static [u8],
+}
+
+/// The bytes of a learned edit at a location, such as `library:propagate/lean-back.edit`; `None` where there is none.
+pub fn bytes(location: &Path) -> Option<&'static [u8]> {
+    let path = path_of(location)?;
+    DATA.iter().find(|d| d.path == path).map(|d| d.bytes)
+}
+
 /// All files: scenes, performances and what else holds scenes, then characters, then key poses; sorted within a folder.
 pub fn entries() -> impl Iterator<Item = &'static Entry> {
     Kind::ALL.into_iter().flat_map(of_kind)
@@ -108,6 +121,12 @@ pub fn is_location(path: &Path) -> bool {
 /// The file at a location. Folders are those below `scenes/` of the repository, whose name may stand in front:
 /// `library:scenes/characters/human.ron` is `library:characters/human.ron`.
 pub fn find(location: &Path) -> Option<&'static Entry> {
+    let path = path_of(location)?;
+    ENTRIES.iter().find(|e| e.path == path)
+}
+
+/// What a location says, from the folder on.
+fn path_of(location: &Path) -> Option<String> {
     let mut parts: Vec<&str> = Vec::new();
     for part in location.to_str()?.strip_prefix(PREFIX)?.split(['/', '\\']) {
         match part {
@@ -119,19 +138,21 @@ pub fn find(location: &Path) -> Option<&'static Entry> {
     if parts.len() > 2 && parts[0] == "scenes" {
         parts.remove(0);
     }
-    let path = parts.join("/");
-    ENTRIES.iter().find(|e| e.path == path)
+    Some(parts.join("/"))
 }
 
 /// Whether a path leads to a file, on disk or in the library.
 pub fn is_file(path: &Path) -> bool {
-    if is_location(path) { find(path).is_some() } else { path.is_file() }
+    if is_location(path) { find(path).is_some() || bytes(path).is_some() } else { path.is_file() }
 }
 
 /// The path of a file that the file `of` names: relative to it, or a location.
 pub fn beside(of: &Path, name: impl AsRef<Path>) -> PathBuf {
     let name = name.as_ref();
     let path = if is_location(name) { name.into() } else { of.parent().unwrap_or(Path::new("")).join(name) };
+    if bytes(&path).is_some() {
+        return PathBuf::from(format!("{PREFIX}{}", path_of(&path).unwrap_or_default()));
+    }
     find(&path).map_or(path, Entry::location)
 }
 

@@ -41,6 +41,21 @@ fn every_file_that_ships_is_inside_as_it_is_on_disk() {
     assert!(files.len() >= 28, "{}", files.len());
 }
 
+/// Learned edits that scenes name are inside too, byte for byte, and are named as texts are.
+#[test]
+fn learned_edits_are_inside_as_they_are_on_disk() {
+    for name in ["lean-back", "arms-out"] {
+        let location = PathBuf::from(format!("library:propagate/{name}.edit"));
+        let disk = std::fs::read(folder().join(format!("propagate/{name}.edit"))).unwrap();
+        assert!(library::bytes(&location).is_some_and(|inside| inside == disk), "{name}");
+        assert!(library::is_file(&location));
+        let beside = library::beside(Path::new("library:scenes/bow.ron"), format!("propagate/{name}.edit"));
+        assert_eq!(beside, location);
+    }
+    assert_eq!(library::bytes(Path::new("library:propagate/none.edit")), None);
+    assert_eq!(library::bytes(Path::new("scenes/propagate/lean-back.edit")), None);
+}
+
 /// A name means one file where a kind is expected, and the list says something about it.
 #[test]
 fn names_are_unambiguous_and_described() {

@@ -187,7 +187,7 @@ pub(crate) fn take(
         let (contacts, _) = footing::of(character, &unedited);
         let floor_m = Some(stance(character, &unedited).ground_m);
         let motion = Motion { contacts, floor_m, ..Motion::of(given) };
-        let Clips { motion, changed } = clip_edits::apply(scene, motion, &mut log)?;
+        let Clips { motion, changed } = clip_edits::apply(scene, motion, &mut log, |_| Ok(None))?;
         if changed {
             times = motion.times;
             (clip, clamped, limited) = within_limits(motion.clip);

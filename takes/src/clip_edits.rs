@@ -8,8 +8,9 @@ use std::sync::Arc;
 use controllers::plan::dense::BLEND_S;
 use controllers::{Dense, DenseJoint};
 use edits::{ByExample, ClipChange, ClipEdit, EditLog, Motion};
-use motion::{Dof, Joint, TimeMap, Tracks};
+use motion::{Clip, Dof, Joint, TimeMap, Tracks};
 use scenes::SceneError;
+use scenes::library;
 use scenes::scene::{EditKind, Scene, StoredEdit};
 
 /// A motion after the clip edits of its scene.
@@ -20,18 +21,29 @@ pub(crate) struct Clips {
     pub changed: bool,
 }
 
-/// Applies the clip edits of a scene; track edits have been applied before.
+/// Applies the clip edits of a scene; track edits have been applied before. `seen` is what will be seen of a motion, feet planted, where that is
+/// not the motion itself: edits that were learned from motions as they are seen recognise it by that.
 ///
 /// # Errors
 /// Places that the motion does not have, parameters that make no sense: at the edit.
-pub(crate) fn apply(scene: &Scene, mut motion: Motion, log: &mut EditLog) -> Result<Clips, SceneError> {
+pub(crate) fn apply(
+    scene: &Scene,
+    mut motion: Motion,
+    log: &mut EditLog,
+    seen: impl Fn(&Motion) -> Result<Option<Clip>, SceneError>,
+) -> Result<Clips, SceneError> {
     let mut changed = false;
     for e in &scene.edits {
         let fault = |x: &dyn std::error::Error| scene.source.error(&e.at, x.to_string());
         let edited = match &e.kind {
             EditKind::Track(_) => continue,
             EditKind::Clip(edit) => edit.apply(&motion, &e.place, log),
-            EditKind::Stored(stored) => open(stored, scene, &e.at)?.apply(&motion, &e.place, log),
+            EditKind::Stored(stored) => {
+                if matches!(stored, StoredEdit::ByExample { .. }) {
+                    motion.seen = seen(&motion)?;
+                }
+                open(stored, scene, &e.at)?.apply(&motion, &e.place, log)
+            }
         }
         .map_err(|x| fault(&x))?;
         changed |= edited.clip != motion.clip || !edited.times.is_identity();
@@ -47,7 +59,11 @@ pub(crate) fn apply(scene: &Scene, mut motion: Motion, log: &mut EditLog) -> Res
 fn open(stored: &StoredEdit, scene: &Scene, at: &str) -> Result<Box<dyn ClipEdit>, SceneError> {
     match stored {
         StoredEdit::ByExample { model, amount, contacts } => {
-            let edit = formats::example_file::open(model).map_err(|x| {
+            let opened = match library::bytes(model) {
+                Some(bytes) => formats::example_file::read(std::io::Cursor::new(bytes)),
+                None => formats::example_file::open(model),
+            };
+            let edit = opened.map_err(|x| {
                 scene.source.error(&format!("{at}.model"), format!("{}: {x}", model.display()))
             })?;
             let whole = ByExample::new(Arc::new(edit));

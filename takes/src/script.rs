@@ -110,7 +110,12 @@ pub(crate) fn take(scene: &Scene, script: &ScriptSpec, ask: &Ask) -> Result<Take
             tracks: Some(tracks.clone().into()),
             ..Motion::of(tracks.sample(rate_hz))
         };
-        (clip_edits::apply(scene, motion, &mut log)?, tracks)
+        let seen = |motion: &Motion| {
+            let planted = !plants.is_empty();
+            let finish = || sampler.finish(motion.clip.clone(), &tracks, &motion.times);
+            Ok(planted.then(finish).transpose()?.map(|f| f.clip))
+        };
+        (clip_edits::apply(scene, motion, &mut log, seen)?, tracks)
     };
     let times = asked.motion.times.clone();
     let length = if asked.changed { asked.motion.clip.duration_s() } else { end };

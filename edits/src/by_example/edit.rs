@@ -4,7 +4,8 @@
 //! over [`BLEND_S`]. Body parts limit it to their joints: time is changed only with the whole body, the way over
 //! the ground only where the root's rotation and place may both move.
 //!
-//! What stands may keep standing ([`contacts`]): [`ByExample::contacts`].
+//! What stands may keep standing ([`contacts`]): [`ByExample::contacts`]. The result may be on a body of other proportions ([`super::onto`]):
+//! [`ByExample::onto`]; differences of joints are the same there.
 //!
 //! Joint limits of the skeleton are kept where the source keeps them; what they held back is noted in the log.
 
@@ -15,6 +16,7 @@ use motion::{Clip, Dof, Joint, TimeMap};
 
 use super::contacts::{self, Blended, Contacts, Kept, Miss};
 use super::model::Answer;
+use super::onto::Onto;
 use super::outputs::{self, Allowed};
 use super::rig::{Moves, Rig};
 use super::{ExampleEdit, ExampleError};
@@ -35,6 +37,8 @@ pub struct ByExample {
     pub amount: f64,
     /// Whether what stands keeps standing.
     pub contacts: Contacts,
+    /// The body that the result is on, if that is another than the motion's.
+    pub onto: Option<Onto>,
 }
 
 /// What an edit did to a clip.
@@ -58,7 +62,7 @@ impl ByExample {
     /// The whole edit, contacts as its options say.
     pub fn new(edit: Arc<ExampleEdit>) -> Self {
         let contacts = edit.options.contacts;
-        Self { edit, amount: 1.0, contacts }
+        Self { edit, amount: 1.0, contacts, onto: None }
     }
 
     /// Applies the edit to a place of a motion, and says what it did.
@@ -70,9 +74,13 @@ impl ByExample {
             let (what, allowed) = ("`amount`", "0 to 1.5");
             return Err(ExampleError::Setting { what, value: self.amount, allowed });
         }
+        // what is done is told by the source, and done on the body that is asked for
+        let own = Rig::find(&self.edit.rig, &motion.clip.skeleton)?;
+        let answer = self.edit.answer_of(&own, motion.seen.as_ref().unwrap_or(&motion.clip))?;
+        let placed = self.onto.as_ref().map(|body| body.place(motion)).transpose()?;
+        let motion = placed.as_ref().unwrap_or(motion);
         let clip = &motion.clip;
-        let rig = Rig::find(&self.edit.rig, &clip.skeleton)?;
-        let answer = self.edit.answer_of(&rig, clip)?;
+        let rig = if placed.is_some() { Rig::find(&self.edit.rig, &clip.skeleton)? } else { own };
         let mut d = answer.differences.clone();
         for f in 0..d.nrows() {
             d.row_mut(f).scale_mut(self.amount * window(at, clip, f));

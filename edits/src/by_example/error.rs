@@ -8,6 +8,14 @@ use thiserror::Error;
 /// Why an edit cannot be learned, or not be applied.
 #[derive(Clone, Debug, PartialEq, Error)]
 pub enum ExampleError {
+    /// Whoever watched ended the learning.
+    #[error("learning was cancelled, at the {model}, after {evaluations} evaluations")]
+    Cancelled {
+        /// Which of the two models.
+        model: &'static str,
+        /// Evaluations of its likelihood.
+        evaluations: usize,
+    },
     /// Nothing to learn from.
     #[error("there is no pair to learn from; needed: at least one source clip with its edited version")]
     NoPairs,

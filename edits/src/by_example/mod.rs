@@ -21,6 +21,8 @@
 //! | [`contacts`] | the blend with contacts kept: Gauss–Newton on blocks |
 //! | [`block_band`] | its linear equations |
 //! | [`edit`] | the clip edit |
+//! | [`onto`] | a motion on a body of other proportions |
+//! | [`part`] | a changed span first |
 //! | [`review`] | examples that contradict each other; frames to key next |
 //! | [`error`] | what can be wrong |
 //!
@@ -35,8 +37,10 @@ pub mod edit;
 pub mod error;
 pub mod features;
 pub mod model;
+pub mod onto;
 pub mod outputs;
 pub mod pair;
+pub mod part;
 pub mod performances;
 pub mod poses;
 pub mod review;
@@ -47,8 +51,10 @@ pub use contacts::Contacts;
 pub use edit::ByExample;
 pub use error::ExampleError;
 pub use features::Orientation;
-pub use model::{Answer, ExampleEdit, ExampleFrame, ExampleOptions, Taught};
+pub use model::{Answer, ExampleEdit, ExampleFrame, ExampleOptions, Learning, Taught};
+pub use onto::{Onto, leg_m};
 pub use pair::Pair;
+pub use part::{Part, first};
 pub use performances::{Correspondence, correspond};
 pub use poses::Outputs;
 pub use review::{Contradiction, KeyNext, contradictions, key_next};

@@ -12,7 +12,9 @@
 //!
 //! Symbols as in [`super::solve`].
 
-use learn::{Batch, ExampleMethod, ExampleModel, Examples, Mirror, Moment, RbfKernel};
+use std::ops::ControlFlow;
+
+use learn::{Batch, ExampleMethod, ExampleModel, Examples, FitError, Mirror, Moment, RbfKernel};
 use motion::Clip;
 use motion::derivatives::parabola;
 use motion::names::Word;
@@ -166,6 +168,17 @@ pub struct Taught {
     pub kernel: Option<RbfKernel>,
 }
 
+/// How far learning is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Learning {
+    /// Which of the two models: `configurations`, then `accelerations`.
+    pub model: &'static str,
+    /// How often its likelihood was evaluated.
+    pub evaluations: usize,
+    /// Most iterations of the search; each needs one evaluation, seldom two. It usually ends before.
+    pub of: usize,
+}
+
 /// What a model says of a clip, one row or entry a frame.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Answer {
@@ -197,6 +210,19 @@ impl ExampleEdit {
     /// # Errors
     /// Pairs that do not go together, bodies of another rig than the first pair's, examples that nothing can be fitted to.
     pub fn learn(pairs: &[Pair], options: &ExampleOptions) -> Result<Self, ExampleError> {
+        Self::learn_watched(pairs, options, &|_| ControlFlow::Continue(()))
+    }
+
+    /// As [`ExampleEdit::learn`], watched: who watches is told how far it is, before each evaluation of a likelihood, and may end it. What is
+    /// learned does not depend on being watched.
+    ///
+    /// # Errors
+    /// As [`ExampleEdit::learn`]; [`ExampleError::Cancelled`].
+    pub fn learn_watched(
+        pairs: &[Pair],
+        options: &ExampleOptions,
+        watch: &(dyn Fn(Learning) -> ControlFlow<()> + Sync),
+    ) -> Result<Self, ExampleError> {
         check(options)?;
         let first = pairs.first().ok_or(ExampleError::NoPairs)?;
         let rig = Rig::of(&first.source.skeleton)?;
@@ -204,9 +230,15 @@ impl ExampleEdit {
         let rows = Rows::of(&file, pairs, 0, options)?;
         let mirrored = options.mirror && rig.is_symmetric();
         let [configuration, acceleration] = rows.examples(&rig, mirrored)?;
-        let learned = |model, examples: &Examples| {
-            ExampleModel::fit(options.estimator, examples, &learn::ExampleOptions::default())
-                .map_err(|source| ExampleError::Fit { model, source })
+        let settings = learn::ExampleOptions::default();
+        let learned = |model: &'static str, examples: &Examples| {
+            let told = |evaluations| watch(Learning { model, evaluations, of: settings.gp.iterations });
+            ExampleModel::fit_watched(options.estimator, examples, &settings, &told).map_err(|source| {
+                match source {
+                    FitError::Cancelled { evaluations } => ExampleError::Cancelled { model, evaluations },
+                    source => ExampleError::Fit { model, source },
+                }
+            })
         };
         Ok(Self {
             rig: file,

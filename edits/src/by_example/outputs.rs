@@ -72,6 +72,13 @@ pub(super) fn rates(rig: &Rig) -> std::ops::Range<usize> {
     joints_width(rig) + SIDEWAYS..joints_width(rig) + TURN + 1
 }
 
+/// Columns of a joint's difference; `None` of a joint that is not predicted.
+///
+/// A ball has three, the rotation vector in body axes (x lateral, y up); a hinge or slide one.
+pub fn joint_columns(rig: &RigFile, joint: &str) -> Option<std::ops::Range<usize>> {
+    named_columns(rig, "").into_iter().find(|(_, name)| name == joint).map(|(columns, _)| columns)
+}
+
 /// Columns and names of all joints of a rig, in its order, then of the lean of the root.
 pub(super) fn named_columns(rig: &RigFile, root: &str) -> Vec<(std::ops::Range<usize>, String)> {
     let mut at = 0;

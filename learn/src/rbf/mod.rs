@@ -32,11 +32,13 @@ mod leave_out;
 mod predict;
 mod targets;
 
+use std::ops::ControlFlow;
+
 use serde::{Deserialize, Serialize};
 
 use crate::cloud::{Cloud, Extent};
 use crate::dense::dot;
-use crate::descend::descend;
+use crate::descend::{Watch, Watched};
 use crate::error::FitError;
 use crate::examples::Examples;
 use crate::gplvm::Learning;
@@ -171,6 +173,19 @@ impl RbfRegression {
     /// # Errors
     /// Settings out of range; a kernel matrix that does not factor.
     pub fn fit(examples: &Examples, options: &RbfOptions) -> Result<Self, FitError> {
+        RbfRegression::fit_watched(examples, options, &|_| ControlFlow::Continue(()))
+    }
+
+    /// As [`RbfRegression::fit`], watched: who watches is told how often the likelihood was evaluated, and may end it. What is learned does not
+    /// depend on being watched.
+    ///
+    /// # Errors
+    /// As [`RbfRegression::fit`]; [`FitError::Cancelled`].
+    pub fn fit_watched(
+        examples: &Examples,
+        options: &RbfOptions,
+        watch: &Watch<'_>,
+    ) -> Result<Self, FitError> {
         if options.inducing == 0 {
             let allowed = "at least 1".into();
             return Err(FitError::Setting { name: "inducing", value: 0.0, allowed });
@@ -180,12 +195,12 @@ impl RbfRegression {
                 kernel.check()?;
                 (kernel, unlearned("the kernel was given"))
             }
-            None if examples.effective() <= options.exact_up_to => learn(examples, options)?,
+            None if examples.effective() <= options.exact_up_to => learn(examples, options, watch)?,
             None => {
                 let images = examples.effective() / examples.len();
                 let most = (options.exact_up_to.min(LEARN_FROM) / images).max(1);
                 let keep = runs(examples.len(), most);
-                learn(&examples.subset(&keep)?, options)?
+                learn(&examples.subset(&keep)?, options, watch)?
             }
         };
         RbfRegression::with_kernel(examples.clone(), options.clone(), kernel, learning)
@@ -313,7 +328,11 @@ fn unlearned(why: &str) -> Learning {
 }
 
 /// Learns a kernel from all of `examples`.
-fn learn(examples: &Examples, options: &RbfOptions) -> Result<(RbfKernel, Learning), FitError> {
+fn learn(
+    examples: &Examples,
+    options: &RbfOptions,
+    watch: &Watch<'_>,
+) -> Result<(RbfKernel, Learning), FitError> {
     let cloud = Cloud::of(examples);
     let extent = cloud.extent(examples);
     let targets = Targets::of(examples, options.centre);
@@ -334,7 +353,7 @@ fn learn(examples: &Examples, options: &RbfOptions) -> Result<(RbfKernel, Learni
     ];
     let mut evidence = Evidence::new(&cloud, &targets, ranges);
     let from = evidence.parameters(&start);
-    let d = descend(&mut evidence, from, options.iterations)?;
+    let d = Watched::new(&mut evidence, watch).descend(from, options.iterations)?;
     let kernel = evidence.kernel(&d.point);
     let learning = Learning {
         iterations: d.iterations,

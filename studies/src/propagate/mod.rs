@@ -3,15 +3,23 @@
 //! | module | holds |
 //! |---|---|
 //! | [`project`] | pairs, corrections and the model on disk |
+//! | [`apply`] | an edit used on a clip |
+//! | [`background`] | learning and applying in threads of their own |
 //! | [`report`] | what is said of learning, applying and the project |
 //! | [`rules`] | known edits, to measure against |
+//! | [`route`] | walks as scripts, with and without a change |
+//! | [`shipped`] | the two edits that ship, and how well they hold |
 //! | [`compare`] | learned edits beside what an artist would do instead |
 //! | [`transition`] | how smoothly an edit comes and goes |
 
+pub mod apply;
+pub mod background;
 pub mod compare;
 pub mod project;
 pub mod report;
+pub mod route;
 pub mod rules;
+pub mod shipped;
 pub mod transition;
 
 use std::path::PathBuf;
@@ -21,7 +29,9 @@ use edits::by_example::ExampleError;
 use thiserror::Error;
 
 pub use edits::Where;
-pub use edits::by_example::{Contacts, ExampleEdit, ExampleOptions as EditOptions, Pair};
+pub use edits::by_example::{
+    Contacts, ExampleEdit, ExampleOptions as EditOptions, Learning, Onto, Pair, Part,
+};
 pub use learn::ExampleMethod;
 
 /// Why a study of edits by example cannot go on.
@@ -81,7 +91,7 @@ pub enum PropagateError {
     Bvh(String),
     /// A correction of another clip.
     #[error(
-        "the edited clip has {} frames and {} links, the result it should correct {} and {}; edit what `propagate export` wrote,          and keep its frames and its frame rate",
+        "the edited clip has {} frames and {} links, the result it should correct {} and {}; edit what `propagate export` wrote, and keep its frames and its frame rate",
         found.0, found.1, needed.0, needed.1
     )]
     NotTheResult {
@@ -102,6 +112,23 @@ pub enum PropagateError {
     /// Files that were not written.
     #[error(transparent)]
     Folder(#[from] takes::results::folder::FolderError),
+    /// A context that no pair has.
+    #[error("no pair has the context `{found}`; {}", if known.is_empty() { "no pair has any".into() } else { format!("there are {known}") })]
+    Context {
+        /// As asked for.
+        found: String,
+        /// Those there are, in words.
+        known: String,
+    },
+    /// No thread for the work.
+    #[error("cannot start a thread: {0}")]
+    Thread(std::io::Error),
+    /// Work that was ended.
+    #[error("cancelled")]
+    Cancelled,
+    /// A scene that does not open.
+    #[error(transparent)]
+    Scene(#[from] Box<takes::TakeError>),
     /// A clip that no rule can act on.
     #[error(transparent)]
     Rule(#[from] rules::RuleError),
@@ -112,7 +139,7 @@ impl PropagateError {
     pub fn is_input(&self) -> bool {
         match self {
             Self::Folder(e) => e.is_input(),
-            Self::Bvh(_) => false,
+            Self::Bvh(_) | Self::Thread(_) | Self::Cancelled => false,
             _ => true,
         }
     }

@@ -12,15 +12,14 @@
 //! in the result become a pair of their own. Every file is written whole or not at all, the pair's own file last, so that a run that is
 //! killed leaves no half of a pair.
 
+use std::collections::BTreeSet;
 use std::fs;
+use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
-use std::sync::Arc;
 
-use edits::by_example::edit::Applied;
-use edits::by_example::{ByExample, Contacts, ExampleEdit, ExampleOptions, Pair, Rig};
-use edits::{Motion, Where};
+use edits::by_example::{ExampleEdit, ExampleOptions, Learning, Pair, Rig};
 use formats::bvh::{ImportOptions, WriteOptions};
-use motion::{Clip, Dof, Limb, Value};
+use motion::{Clip, Dof, Value};
 use serde::{Deserialize, Serialize};
 use takes::results::folder::{Overwrite, write_file};
 
@@ -115,11 +114,14 @@ impl Project {
         self.dir.join(MODEL)
     }
 
-    /// Adds a pair whose clips are on disk, and copies the files; returns the pair's file.
+    /// Adds a pair whose clips are on disk, and copies the files (of scenes, their motion as BVH); returns the pair's file.
     ///
     /// # Errors
     /// Clips that do not go together, files that cannot be read, a name that is taken.
     pub fn add(&self, pair: &Pair, source: &Path, target: &Path) -> Result<PathBuf, PropagateError> {
+        if takes::is_ron(source) || takes::is_ron(target) {
+            return self.add_pair(pair);
+        }
         self.check(pair)?;
         let copy = |path: &Path| fs::read(path).map_err(|e| file_fault(path, &e));
         let ending =
@@ -176,11 +178,11 @@ impl Project {
         Ok(own)
     }
 
-    /// All pairs, by name; of one context (and of none) where one is given.
+    /// The files of all pairs, by name; no clip is opened.
     ///
     /// # Errors
-    /// Pairs that cannot be read, with their file.
-    pub fn pairs(&self, context: Option<&str>) -> Result<Vec<Pair>, PropagateError> {
+    /// Files that make no sense, at their place.
+    pub fn files(&self) -> Result<Vec<(String, PairFile)>, PropagateError> {
         let dir = self.dir.join(PAIRS);
         let entries = fs::read_dir(&dir).map_err(|e| file_fault(&dir, &e))?;
         let mut files: Vec<PathBuf> = entries
@@ -188,17 +190,29 @@ impl Project {
             .filter(|path| path.extension().is_some_and(|e| e == "ron"))
             .collect();
         files.sort();
+        let name = |path: &Path| path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
+        files.iter().map(|path| Ok((name(path), read_ron(path)?))).collect()
+    }
+
+    /// All pairs, by name; of one context (and of none) where one is given.
+    ///
+    /// # Errors
+    /// Pairs that cannot be read, with their file; a context that no pair has.
+    pub fn pairs(&self, context: Option<&str>) -> Result<Vec<Pair>, PropagateError> {
+        let files = self.files()?;
+        let contexts: BTreeSet<&String> = files.iter().filter_map(|(_, f)| f.context.as_ref()).collect();
+        if let Some(asked) = context.filter(|asked| contexts.iter().all(|c| c != asked)) {
+            return Err(PropagateError::Context {
+                found: motion::names::echo(asked),
+                known: contexts.iter().map(|c| format!("`{c}`")).collect::<Vec<_>>().join(", "),
+            });
+        }
+        let dir = self.dir.join(PAIRS);
         let mut pairs = Vec::new();
-        for path in files {
-            let file: PairFile = read_ron(&path)?;
-            let wanted = match (&file.context, context) {
-                (None, _) | (_, None) => true,
-                (Some(own), Some(asked)) => own == asked,
-            };
-            if !wanted {
+        for (name, file) in files {
+            if !is_of(&file.context, context) {
                 continue;
             }
-            let name = path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
             pairs.push(Pair {
                 times_s: file.times_s,
                 spans_s: file.spans_s,
@@ -209,12 +223,52 @@ impl Project {
         Ok(pairs)
     }
 
+    /// Contexts of the pairs that a model was taught; pairs that were removed since are not known any more.
+    ///
+    /// # Errors
+    /// As [`Project::files`].
+    pub fn contexts(&self, edit: &ExampleEdit) -> Result<BTreeSet<String>, PropagateError> {
+        let files = self.files()?;
+        let taught = files.into_iter().filter(|(name, _)| edit.pairs.contains(name));
+        Ok(taught.filter_map(|(_, f)| f.context).collect())
+    }
+
+    /// Whether a model was taught the pairs that are there: all of them, or all of one context.
+    ///
+    /// # Errors
+    /// As [`Project::files`].
+    pub fn is_current(&self, edit: &ExampleEdit) -> Result<bool, PropagateError> {
+        let files = self.files()?;
+        let mut taught: Vec<&String> = edit.pairs.iter().collect();
+        taught.sort();
+        let of = |context: Option<&str>| {
+            let mut names: Vec<&String> =
+                files.iter().filter(|(_, f)| is_of(&f.context, context)).map(|(name, _)| name).collect();
+            names.sort();
+            names
+        };
+        let contexts = files.iter().map(|(_, f)| f.context.as_deref());
+        Ok(contexts.chain([None]).any(|c| of(c) == taught))
+    }
+
     /// Learns the edit of all pairs and writes the model.
     ///
     /// # Errors
     /// No pairs, pairs that do not go together, files that cannot be written.
     pub fn train(&self, context: Option<&str>) -> Result<ExampleEdit, PropagateError> {
-        let edit = ExampleEdit::learn(&self.pairs(context)?, &self.options)?;
+        self.train_watched(context, &|_| ControlFlow::Continue(()))
+    }
+
+    /// As [`Project::train`], watched ([`ExampleEdit::learn_watched`]); what is on disk stays as it is if it is ended.
+    ///
+    /// # Errors
+    /// As [`Project::train`]; [`edits::ExampleError::Cancelled`].
+    pub fn train_watched(
+        &self,
+        context: Option<&str>,
+        watch: &(dyn Fn(Learning) -> ControlFlow<()> + Sync),
+    ) -> Result<ExampleEdit, PropagateError> {
+        let edit = ExampleEdit::learn_watched(&self.pairs(context)?, &self.options, watch)?;
         self.save(&edit)?;
         Ok(edit)
     }
@@ -230,6 +284,14 @@ impl Project {
                 .map_err(|source| PropagateError::Model { path: path.clone(), source })?;
         }
         Ok(write_file(&path, &formats::example_file::bytes(edit), Overwrite::Allow, &[])?)
+    }
+}
+
+/// Whether a pair is learned where a context is asked for.
+fn is_of(own: &Option<String>, asked: Option<&str>) -> bool {
+    match (own, asked) {
+        (None, _) | (_, None) => true,
+        (Some(own), Some(asked)) => own == asked,
     }
 }
 
@@ -258,46 +320,6 @@ pub fn model(path: &Path) -> Result<ExampleEdit, PropagateError> {
         return Err(PropagateError::Untrained { path: path.into() });
     }
     formats::example_file::open(&file).map_err(|source| PropagateError::Model { path: file, source })
-}
-
-/// The edit applied to a clip; contacts as asked, or as it was taught.
-///
-/// # Errors
-/// A clip of another rig, a place that it does not have; contacts to be kept of a clip in which nobody with feet moves.
-pub fn apply(
-    edit: &Arc<ExampleEdit>,
-    clip: &Clip,
-    amount: f64,
-    contacts: Option<Contacts>,
-    at: &Where,
-) -> Result<Applied, PropagateError> {
-    let whole = ByExample::new(edit.clone());
-    let contacts = contacts.unwrap_or(whole.contacts);
-    let motion = match contacts {
-        Contacts::Free => Motion::of(clip.clone()),
-        Contacts::Keep => footed(clip)?,
-    };
-    let place = at.in_clip(&motion).map_err(PropagateError::Edit)?;
-    Ok(ByExample { amount, contacts, ..whole }.run(&motion, &place)?)
-}
-
-/// A clip with the steps of its feet: of the body that is guessed for it, whose legs it gets.
-fn footed(clip: &Clip) -> Result<Motion, PropagateError> {
-    let feet = |what: String| PropagateError::Feet { what };
-    let guessed = bodies::guess_body_of_clip(clip, &bodies::BodyOptions::default());
-    let (character, _) = guessed.map_err(|e| feet(e.to_string()))?;
-    let map = bodies::PoseMap::of_clip(clip, &character.skeleton).map_err(|e| feet(e.to_string()))?;
-    let on_body = map.clip_to_character(clip, &character.skeleton);
-    let (contacts, floor_m) = takes::footing::of(&character, &on_body);
-    let theirs = |link: usize| clip.skeleton.link(&character.skeleton.links()[link].name);
-    let limbs = character.skeleton.limbs().iter().filter_map(|l| {
-        let (upper, lower, end) = (theirs(l.upper)?, theirs(l.lower)?, theirs(l.end)?);
-        Some(Limb { name: l.name.clone(), kind: l.kind, upper, lower, end })
-    });
-    let skeleton = clip.skeleton.as_ref().clone().with_limbs(limbs.collect());
-    let skeleton = skeleton.map_err(|e| feet(e.to_string()))?;
-    let clip = Clip::new(Arc::new(skeleton), clip.rate_hz, clip.data().to_vec());
-    Ok(Motion { contacts, floor_m, ..Motion::of(clip) })
 }
 
 /// Frames in which `edited` differs from `result`, in runs.
@@ -390,11 +412,18 @@ pub fn blended(result: &Clip, edited: &Clip, changes: &[Change], blend_s: f64) -
     (out, spans)
 }
 
-/// A clip of a project.
+/// A clip of a project: a file of a clip, or a scene, whose motion is then as it is written to BVH and read again.
 ///
 /// # Errors
-/// Of the format.
+/// Of the format; of the scene.
 pub fn open(path: &Path) -> Result<Clip, PropagateError> {
+    if takes::is_ron(path) {
+        let take = takes::open(path, &takes::Ask::default()).map_err(Box::new)?;
+        let written = formats::bvh::Bvh::parse(&bvh(&take.asked.clip)?)
+            .map_err(|e| PropagateError::Bvh(e.fault.to_string()))?;
+        let read = formats::bvh::import(&written, &ImportOptions::default());
+        return Ok(read.map_err(|e| PropagateError::Bvh(e.to_string()))?.0);
+    }
     let (clip, _) = formats::open_clip(path, &ImportOptions::default()).map_err(Box::new)?;
     Ok(clip)
 }

@@ -45,6 +45,8 @@ pub struct KernelReport {
     pub signal_is_prior: bool,
     /// Iterations of the search for them; 0 for a stored model.
     pub iterations: usize,
+    /// Inducing points that all examples enter through, images not counted; `None` where they are taken as they are.
+    pub through: Option<usize>,
 }
 
 /// What was learned by a model.
@@ -62,6 +64,7 @@ pub fn learned(edit: &ExampleEdit) -> Learned {
                 diameter: gp.diameter(),
                 signal_is_prior: of.examples().targets().amax() < 1e-6,
                 iterations: gp.learning().iterations,
+                through: gp.inducing(),
             })
         })
         .collect();
@@ -82,6 +85,12 @@ impl fmt::Display for Learned {
             "; the body has no left and right, or mirroring is off"
         };
         writeln!(f, "learned from {} pairs: {} examples{twice}", self.pairs, self.examples)?;
+        if let Some(points) = self.kernels.iter().find_map(|k| k.through) {
+            writeln!(
+                f,
+                "so many are approximated: kernels are learned from at most 2000 examples and images, all enter through {points} inducing points"
+            )?;
+        }
         for k in &self.kernels {
             let bound = if k.length > 0.999 * k.diameter { ", its bound" } else { "" };
             if k.signal_is_prior {
@@ -206,8 +215,10 @@ pub struct Status {
     pub pairs: Vec<(String, usize, f64, Option<String>)>,
     /// What was learned; nothing before training.
     pub learned: Option<Learned>,
-    /// Whether the model is of the pairs that are there.
+    /// Whether the model is of the pairs that are there, or of those of one context.
     pub current: bool,
+    /// Contexts of the pairs that it was taught.
+    pub contexts: Vec<String>,
     /// Examples that contradict each other, the farthest apart first.
     pub contradictions: Vec<Contradicting>,
     /// For every clip: how unlike the examples it is.
@@ -263,8 +274,6 @@ pub fn status(project: &Project, clips: &[(String, Clip)], asked: &Asked) -> Res
     } else if !clips.is_empty() {
         return Err(PropagateError::Untrained { path: project.dir().into() });
     }
-    let mut names: Vec<&String> = pairs.iter().map(|p| &p.name).collect();
-    names.sort();
     let mut found = Vec::new();
     if let Some(edit) = &model {
         for c in contradictions(edit, asked.contradiction_rad)? {
@@ -276,11 +285,8 @@ pub fn status(project: &Project, clips: &[(String, Clip)], asked: &Asked) -> Res
             });
         }
     }
-    let current = model.as_ref().is_some_and(|m| {
-        let mut taught: Vec<&String> = m.pairs.iter().collect();
-        taught.sort();
-        taught == names
-    });
+    let current = model.as_ref().map(|m| project.is_current(m)).transpose()?.unwrap_or(false);
+    let contexts = model.as_ref().map(|m| project.contexts(m)).transpose()?.unwrap_or_default();
     Ok(Status {
         pairs: pairs
             .iter()
@@ -288,6 +294,7 @@ pub fn status(project: &Project, clips: &[(String, Clip)], asked: &Asked) -> Res
             .collect(),
         learned: model.as_ref().map(learned),
         current,
+        contexts: contexts.into_iter().collect(),
         contradictions: found,
         clips: all,
     })
@@ -303,6 +310,9 @@ impl fmt::Display for Status {
             None => writeln!(f, "nothing was learned yet")?,
             Some(learned) => {
                 write!(f, "{learned}")?;
+                if !self.contexts.is_empty() {
+                    writeln!(f, "of context {}", self.contexts.join(", "))?;
+                }
                 if !self.current {
                     writeln!(f, "pairs were added or removed since: `propagate train` learns again")?;
                 }

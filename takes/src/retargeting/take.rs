@@ -68,7 +68,7 @@ pub(crate) fn take(
     let mut limited = Vec::new();
     if !ask.no_edits {
         let motion = Motion { contacts: contacts.clone(), floor_m: Some(0.0), ..Motion::of(clip.clone()) };
-        let edited = clip_edits::apply(scene, motion, &mut log)?;
+        let edited = clip_edits::apply(scene, motion, &mut log, |_| Ok(None))?;
         if edited.changed {
             contacts = edited.motion.contacts;
             times = edited.motion.times;
