@@ -20,6 +20,8 @@ pub struct Motion {
     pub floor_m: Option<f64>,
     /// The script it was sampled from, in the script's own time.
     pub tracks: Option<Arc<Tracks>>,
+    /// The motion before any edit, in its own time; `None` where it is `clip`.
+    pub unedited: Option<Arc<Clip>>,
     /// From the time of the motion before any clip edit (the script's) to that of `clip`.
     pub times: TimeMap,
 }
@@ -32,6 +34,7 @@ impl Motion {
             contacts: ContactPlan::default(),
             floor_m: None,
             tracks: None,
+            unedited: None,
             times: TimeMap::identity(),
         }
     }
