@@ -14,7 +14,7 @@
 //! | [`place`] | where edits of both kinds apply |
 //! | [`selector`] | what an edit applies to: script, action, cycle, repetition, pose, element, body part |
 //! | [`param`] | parameters: constants, curves over time or repetition, one value for each pose |
-//! | [`log`] | which edit last wrote each element; conflicts; what changed in clips |
+//! | [`log`] | which edits changed each element and joint, by how much; conflicts |
 //! | [`clip_change`] | what a clip edit changed: when, which joints, by how much |
 //! | [`succession`] | joints start one after another along the body |
 //! | [`amplitude`] | how far a movement goes about its average or a reference pose |
@@ -81,7 +81,7 @@ pub mod warp;
 
 pub use amplitude::{Amplitude, Reference};
 pub use by_example::{ByExample, ExampleEdit, ExampleError};
-pub use clip_change::{ClipChange, Largest};
+pub use clip_change::{ClipChange, JointChange, Largest};
 pub use clip_edit::ClipEdit;
 pub use clip_motion::{Edited, Motion};
 pub use error::EditError;

@@ -12,8 +12,8 @@ use motion::ik::IkError;
 use scenes::SceneError;
 use scenes::scene::{EditKind, Scene, SceneEdit};
 
-/// A pelvis that moves by less rests, m.
-const RESTS_M: f64 = 1e-4;
+/// A pelvis nearer than this to where it balances rests, m: a fiftieth of what the balance keeps to the edges of soles.
+const RESTS_M: f64 = 1e-3;
 /// Most turns.
 const MOST_TURNS: usize = 16;
 

@@ -140,12 +140,7 @@ impl Sampler<'_> {
     }
 
     /// Legs follow a root that goes where the script says.
-    fn follow(
-        &self,
-        finished: &mut Finished,
-        before: Option<&Clip>,
-        moments: &[f64],
-    ) -> Result<(), IkError> {
+    fn follow(&self, finished: &mut Finished, before: Option<&Clip>, moments: &[f64]) -> Result<(), IkError> {
         let skeleton = &self.scene.character.skeleton;
         for (f, t_s) in moments.iter().enumerate() {
             let q = finished.clip.pose_mut(f);

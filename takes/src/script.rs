@@ -130,11 +130,8 @@ pub(crate) fn take(scene: &Scene, script: &ScriptSpec, ask: &Ask) -> Result<Take
             last.replace(Some(done));
             Ok(())
         };
-        let possible = Motion {
-            clip: finished.clip.clone(),
-            unedited: Some(unedited.clone().into()),
-            ..motion.clone()
-        };
+        let possible =
+            Motion { clip: finished.clip.clone(), unedited: Some(unedited.clone().into()), ..motion.clone() };
         if let Some(clip) = pins::hold(scene, &possible, 0.0, &again, &mut log)? {
             changed |= clip != finished.clip;
             // what was limited was limited before the pins

@@ -33,6 +33,8 @@ use crate::{ClipEdit, ClipPlace, EditError, EditLog, Edited, Motion};
 pub const GAZE: &str = "gaze";
 /// The site that the line of sight begins at.
 pub const EYES: &str = "eyes";
+/// Times that differ by less are one time, s.
+const SAME_S: f64 = 1e-9;
 /// How long a pin takes to come, and to go, if nothing is said, s.
 pub const BLEND_S: f64 = 0.4;
 
@@ -78,7 +80,7 @@ impl Pin {
             let whole = self.blend_s.min(room);
             if gone < near {
                 1.0
-            } else if gone >= whole {
+            } else if gone >= whole - SAME_S {
                 0.0
             } else {
                 1.0 - Curve::EaseInOut.at(gone / whole)

@@ -11,8 +11,8 @@ use std::path::PathBuf;
 use edits::by_example::Contacts;
 use edits::style::Timing;
 use edits::{
-    Amount, Amplitude, ClipEdit, ExtentReach, ExtentShoulder, Parameter, Pin, PinAt, PoseChange, PoseDelta, PoseRequest,
-    Reference, Succession, Tension, TimeDelta, TrackEdit, Warp, Where,
+    Amount, Amplitude, ClipEdit, ExtentReach, ExtentShoulder, Parameter, Pin, PinAt, PoseChange, PoseDelta,
+    PoseRequest, Reference, Succession, Tension, TimeDelta, TrackEdit, Warp, Where,
 };
 
 use super::{Check, SceneSource};
@@ -148,9 +148,8 @@ impl Check<'_> {
                 "the edit `{name}` changes the poses of a script; the motion of this scene is: {}",
                 source.describe()
             );
-            return Err(
-                refused(why).with_help("edits of any motion: Warp, PoseDelta, TimeDelta, ByExample, Style, Pin")
-            );
+            return Err(refused(why)
+                .with_help("edits of any motion: Warp, PoseDelta, TimeDelta, ByExample, Style, Pin"));
         }
         match before.iter().find(|b| b.kind.is_of_clips()) {
             None => Ok(()),
