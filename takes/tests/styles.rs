@@ -1,7 +1,6 @@
 //! Styles that ship: they are what the command makes of the performances, and each changes what its word says.
 
 use std::collections::BTreeMap;
-use std::path::Path;
 use std::sync::Arc;
 
 use edits::style::Transfer;
@@ -106,12 +105,7 @@ fn styles_change_what_their_words_say() {
 /// A captured walk has other names for its bones: they are told by what they are for.
 #[test]
 fn a_captured_walk_gets_a_style_that_ships() {
-    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../shared/mocap/bvh/02_01.bvh");
-    if !path.exists() {
-        println!("no {}: skipped", path.display());
-        return;
-    }
-    let base = takes::open(path, &Ask::default()).unwrap();
+    let base = takes::open(support::shared("mocap/bvh/02_01.bvh"), &Ask::default()).unwrap();
     let names = names_for(&base.body.character);
     assert_eq!(
         (names["shoulder_l"].as_str(), names["knee_r"].as_str()),
