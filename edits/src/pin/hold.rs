@@ -375,9 +375,9 @@ impl Holds {
     }
 
     /// Moves `q` by the share `w` to the pose in which a layer is whole.
-    fn blend(&mut self, layer: usize, f: usize, w: f64, feet: &[Handle], q: &mut Vec<f64>) {
+    fn blend(&mut self, layer: usize, f: usize, w: f64, feet: &[Handle], q: &mut [f64]) {
         let s = self.skeleton.clone();
-        let base = q.clone();
+        let base = q.to_vec();
         let mut k = Kinematics::new(&s, &base);
         let known = &self.moved[layer];
         let moved = known[f].as_ref().or(f.checked_sub(1).and_then(|before| known[before].as_ref()));

@@ -12,7 +12,7 @@ use std::path::PathBuf;
 use bodies::{Character, JointClass};
 use edits::style::{Representation, StyleSet};
 use formats::style_file;
-use motion::LimbKind;
+use motion::{Clip, LimbKind};
 use scenes::library;
 
 use super::{Find, StylesError};
@@ -37,6 +37,9 @@ pub const SHIPPED: [Shipped; 5] = [
 
 /// The performance that they are told apart from.
 pub const NEUTRAL: &str = "walk-neutral";
+
+/// The part of every performance that walks in its style from beginning to end.
+const WALKS: (f64, f64) = (0.3, 0.74);
 
 /// Components of each: all decompositions of so many come to rest.
 const COMPONENTS: usize = 3;
@@ -76,7 +79,17 @@ pub fn made(name: &str) -> Result<(Take, StyleSet), TakeError> {
             &Ask::default(),
         )
     };
-    let (neutral, styled) = (open(NEUTRAL)?, open(&format!("walk-{name}"))?);
+    // standing before and after the walk is no style
+    let walking = |mut take: Take| {
+        let clip = &take.asked.clip;
+        let nq = clip.skeleton.nq();
+        let frame = |part: f64| (part * clip.frames() as f64) as usize;
+        let data = clip.data()[frame(WALKS.0) * nq..frame(WALKS.1) * nq].to_vec();
+        take.asked.clip = Clip::new(clip.skeleton.clone(), clip.rate_hz, data);
+        take
+    };
+    let neutral = walking(open(NEUTRAL)?);
+    let styled = walking(open(&format!("walk-{name}"))?);
     let find = Find {
         count: Some(COMPONENTS),
         variance: 1.0,
