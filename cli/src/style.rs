@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use takes::styles::style::{On, StyleSet, Transfer};
-use takes::styles::{self, Find, results};
+use takes::styles::{self, Find, library, results};
 use takes::{Ask, Take, What};
 
 use crate::args::StyleArgs;
@@ -82,24 +82,40 @@ fn decompose(args: &DecomposeArgs) -> Result<(), Failure> {
     ))
 }
 
+/// Whether this is the name of a style that ships.
+fn ships(from: &Path) -> bool {
+    !from.exists() && from.to_str().is_some_and(|name| library::shipped(name).is_some())
+}
+
 /// The set, the number of the donor in it, and its name: a file, or the two motions taken apart.
 fn set_for(
     from: &Path,
     to: &Take,
     args: &FindArgs,
 ) -> Result<(Arc<StyleSet>, String, Vec<PathBuf>), Failure> {
-    if formats::format_of(from).is_some_and(|f| f.endings == ["style"]) {
+    let named = ships(from);
+    if named || formats::format_of(from).is_some_and(|f| f.endings == ["style"]) {
         let set = styles::open(from)?;
         let name = set.names[1].clone();
-        return Ok((Arc::new(set), name, vec![from.to_owned()]));
+        return Ok((Arc::new(set), name, if named { Vec::new() } else { vec![from.to_owned()] }));
     }
     let donor = open(from)?;
     let set = find(args).set(to, &donor, false)?;
     Ok((Arc::new(set), donor.name.clone(), donor.files))
 }
 
-fn how(set: &StyleSet, args: &PutArgs, amount: f64) -> Result<Transfer, Failure> {
+/// What a motion calls the bones of a set: as the user says, and what its own links are for.
+fn names(to: &Take, args: &FindArgs) -> BTreeMap<String, String> {
+    let mut all = library::names_for(&to.body.character);
+    all.extend(args.names.iter().cloned());
+    all
+}
+
+fn how(set: &StyleSet, args: &PutArgs, amount: f64, ships: bool) -> Result<Transfer, Failure> {
     let mut how = Transfer::of(set, 1, amount);
+    if ships {
+        how = how.only(&library::components(set), amount);
+    }
     if !args.components.is_empty() {
         let components = set.numbered(&args.components).map_err(Failure::input)?;
         how = how.only(&components, amount);
@@ -119,8 +135,8 @@ fn transfer(args: &TransferArgs) -> Result<(), Failure> {
     progress.part("transferring");
     let to = open(&args.to)?;
     let (set, donor, reads) = set_for(&args.from, &to, &args.find)?;
-    let how = how(&set, &args.put, args.amount)?;
-    let names = args.find.names.iter().cloned().collect();
+    let how = how(&set, &args.put, args.amount, ships(&args.from))?;
+    let names = names(&to, &args.find);
     let mut styled = styles::styled(&to, &set, &how, &names)?;
     styled.name = format!("{}-like-{donor}", to.name);
     let dir = output::folder(args.out.as_deref(), &styled.name);
@@ -147,12 +163,12 @@ fn blend(args: &BlendArgs) -> Result<(), Failure> {
     let to = open(&args.to)?;
     let (set, donor, mut reads) = set_for(&args.from, &to, &args.find)?;
     reads.extend(to.files.iter().cloned());
-    let names = args.find.names.iter().cloned().collect();
+    let names = names(&to, &args.find);
     let rows = args
         .amounts
         .iter()
         .map(|amount| {
-            let take = styles::styled(&to, &set, &how(&set, &args.put, *amount)?, &names)?;
+            let take = styles::styled(&to, &set, &how(&set, &args.put, *amount, ships(&args.from))?, &names)?;
             Ok((format!("{:.0} % of {donor}", 100.0 * amount), take))
         })
         .collect::<Result<Vec<_>, Failure>>()?;
@@ -168,13 +184,23 @@ fn try_all(args: &TryArgs) -> Result<(), Failure> {
     progress.part("trying");
     let take = open(&args.input)?;
     let mut rows = vec![(format!("{}, as it is", take.name), take.clone())];
-    for path in &args.styles {
+    let all: Vec<PathBuf> = match &args.styles[..] {
+        [] => library::SHIPPED.iter().map(|style| PathBuf::from(style.name)).collect(),
+        named => named.to_vec(),
+    };
+    let names = library::names_for(&take.body.character);
+    for path in &all {
         let set = Arc::new(styles::open(path)?);
-        let styled = styles::styled(&take, &set, &how(&set, &args.put, args.amount)?, &BTreeMap::new())?;
-        rows.push((format!("{} of {}", set.names[1], path.display()), styled));
+        let styled = styles::styled(&take, &set, &how(&set, &args.put, args.amount, ships(path))?, &names)?;
+        let label = match path.exists() {
+            true => format!("{} of {}", set.names[1], path.display()),
+            false => path.display().to_string(),
+        };
+        rows.push((label, styled));
     }
     let dir = output::folder(args.out.as_deref(), &format!("{}-styles", take.name));
-    let reads: Vec<PathBuf> = take.files.iter().chain(&args.styles).cloned().collect();
+    let reads: Vec<PathBuf> =
+        take.files.iter().chain(all.iter().filter(|path| path.exists())).cloned().collect();
     let title = format!("{} with every style", take.name);
     let files = results::write_rows(&dir, &rows, &title, "styles", &reads)?;
     drop(progress);

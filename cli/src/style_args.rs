@@ -136,8 +136,8 @@ pub struct BlendArgs {
 pub struct TryArgs {
     /// The motion
     pub input: PathBuf,
-    /// The styles
-    #[arg(required = true, value_name = "FILE.style")]
+    /// The styles: files, or names of those that ship (tired, proud, sneaky, limping, childish) [default: all that ship]
+    #[arg(value_name = "STYLE")]
     pub styles: Vec<PathBuf>,
     /// How much of them, 0 to 1.5
     #[arg(long, default_value_t = 1.0, value_parser = amount)]

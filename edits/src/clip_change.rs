@@ -9,7 +9,7 @@
 
 use std::fmt;
 
-use motion::{Dof, Joint};
+use motion::{Dof, Joint, Skeleton};
 
 use crate::{EditError, Edited, Motion};
 
@@ -27,6 +27,32 @@ pub struct Largest {
     pub at_s: f64,
 }
 
+/// What one clip edit changed of one joint.
+#[derive(Clone, Debug, PartialEq)]
+pub struct JointChange {
+    /// The link.
+    pub link: String,
+    /// First frame that changed, s.
+    pub from_s: f64,
+    /// Last such frame, s.
+    pub to_s: f64,
+    /// The largest turn, degrees.
+    pub turned_deg: f64,
+    /// The furthest way of the root or of a slide, mm.
+    pub moved_mm: f64,
+}
+
+impl JointChange {
+    /// The largest change, as people read it: `12.00°`, `3.1 mm`, or both.
+    pub fn by(&self) -> String {
+        match (self.turned_deg > NOISE, self.moved_mm > NOISE) {
+            (true, true) => format!("{:.2}° and {:.1} mm", self.turned_deg, self.moved_mm),
+            (false, true) => format!("{:.1} mm", self.moved_mm),
+            _ => format!("{:.2}°", self.turned_deg),
+        }
+    }
+}
+
 /// What one clip edit changed. Times are those of the clip after it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ClipChange {
@@ -38,6 +64,8 @@ pub struct ClipChange {
     pub to_s: f64,
     /// Links whose joints were moved, in the skeleton's order.
     pub joints: Vec<String>,
+    /// The same, each with when and by how much.
+    pub of_joints: Vec<JointChange>,
     /// The largest turn of a joint, degrees.
     pub turned: Option<Largest>,
     /// The furthest way of the root (or of a slide), mm.
@@ -81,6 +109,7 @@ impl ClipChange {
             from_s: f64::INFINITY,
             to_s: f64::NEG_INFINITY,
             joints: Vec::new(),
+            of_joints: Vec::new(),
             turned: None,
             moved: None,
             slopes: None,
@@ -90,6 +119,7 @@ impl ClipChange {
             let at_s = frame as f64 / after.rate_hz;
             let (old, new) = (before.pose(frame), after.pose(frame));
             let mut differs = false;
+            let mut ways = vec![(0.0_f64, 0.0_f64); s.links().len()];
             for &dof in &dofs {
                 let (a, b) = (dof.read(s, old), dof.read(s, new));
                 if !b.is_valid() {
@@ -98,10 +128,17 @@ impl ClipChange {
                 }
                 if a.distance(&b) > NOISE {
                     (differs, moved[dof.link()]) = (true, true);
+                    let slides = matches!(s.links()[dof.link()].joint, Joint::Prismatic(_));
+                    let (turn, way) = &mut ways[dof.link()];
+                    match dof {
+                        Dof::Coordinate(..) => *way = way.hypot(a.distance(&b)),
+                        Dof::Axis(_) if slides => *way = a.distance(&b),
+                        Dof::Axis(_) | Dof::Rotation(_) => *turn = a.distance(&b),
+                    }
                 }
             }
             if differs {
-                change.compare(motion, &dofs, at_s, old, new);
+                change.compare(s, &ways, at_s);
             }
             let slope = edited.times.rate(back.at(at_s));
             if (slope - 1.0).abs() > NOISE {
@@ -115,27 +152,33 @@ impl ClipChange {
         }
         change.joints =
             s.links().iter().zip(moved).filter(|(_, m)| *m).map(|(l, _)| l.name.clone()).collect();
+        let place = |j: &JointChange| s.link(&j.link);
+        change.of_joints.sort_by_key(place);
         Ok((change.from_s <= change.to_s).then_some(change))
     }
 
-    /// Takes in one frame that differs.
-    fn compare(&mut self, motion: &Motion, dofs: &[Dof], at_s: f64, old: &[f64], new: &[f64]) {
-        let s = &motion.clip.skeleton;
-        let slide = |link: usize| matches!(s.links()[link].joint, Joint::Prismatic(_));
-        let mut way = vec![0.0_f64; s.links().len()];
-        for dof in dofs {
-            let (a, b) = (dof.read(s, old), dof.read(s, new));
-            match dof {
-                Dof::Coordinate(link, _) => way[*link] = way[*link].hypot(a.distance(&b)),
-                Dof::Axis(link) if slide(*link) => way[*link] = a.distance(&b),
-                Dof::Axis(link) | Dof::Rotation(link) => {
-                    let name = &s.links()[*link].name;
-                    larger(&mut self.turned, name, a.distance(&b).to_degrees(), at_s);
-                }
+    /// Takes in one frame that differs: the turn (rad) and way (m) of each link.
+    fn compare(&mut self, s: &Skeleton, ways: &[(f64, f64)], at_s: f64) {
+        for (link, &(turn, way)) in s.links().iter().zip(ways) {
+            if (turn, way) == (0.0, 0.0) {
+                continue;
             }
-        }
-        for (link, way) in s.links().iter().zip(way) {
-            larger(&mut self.moved, &link.name, 1e3 * way, at_s);
+            let (turn, way) = (turn.to_degrees(), 1e3 * way);
+            larger(&mut self.turned, &link.name, turn, at_s);
+            larger(&mut self.moved, &link.name, way, at_s);
+            match self.of_joints.iter_mut().find(|j| j.link == link.name) {
+                Some(j) => {
+                    j.to_s = at_s;
+                    (j.turned_deg, j.moved_mm) = (j.turned_deg.max(turn), j.moved_mm.max(way));
+                }
+                None => self.of_joints.push(JointChange {
+                    link: link.name.clone(),
+                    from_s: at_s,
+                    to_s: at_s,
+                    turned_deg: turn,
+                    moved_mm: way,
+                }),
+            }
         }
     }
 }

@@ -23,6 +23,8 @@ pub struct Motion {
     /// The motion as it will be seen, where that is known to differ: with feet planted, which a script has only afterwards. Frames are those
     /// of `clip`. What recognises a motion looks at this one; what is changed is `clip`.
     pub seen: Option<Clip>,
+    /// The motion before any edit, in its own time; `None` where it is `clip`.
+    pub unedited: Option<Arc<Clip>>,
     /// From the time of the motion before any clip edit (the script's) to that of `clip`.
     pub times: TimeMap,
 }
@@ -36,6 +38,7 @@ impl Motion {
             floor_m: None,
             tracks: None,
             seen: None,
+            unedited: None,
             times: TimeMap::identity(),
         }
     }

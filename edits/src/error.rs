@@ -227,6 +227,30 @@ pub enum EditError {
         /// What is wrong.
         source: PoseError,
     },
+    /// Body parts for an edit that moves the whole body.
+    #[error("pin: `parts` are {parts}; a pin moves the whole body, as little as it can: leave them out")]
+    PinParts {
+        /// As written.
+        parts: String,
+    },
+    /// A point held on what goes where it goes.
+    #[error(
+        "pin: `{point}` cannot be held on `{link}`, which it carries or is part of; allowed: links that do not hang on it"
+    )]
+    PinnedToItself {
+        /// The point.
+        point: String,
+        /// The link.
+        link: String,
+    },
+    /// Two pins for one point.
+    #[error("pin: `{point}` has two pins at {at_s:.3} s; a point is held at one place at a time")]
+    PinnedTwice {
+        /// The point.
+        point: String,
+        /// When, s.
+        at_s: f64,
+    },
     /// A difference of poses of the wrong length, or with a number that is not finite.
     #[error(
         "{edit}: the difference of the poses must have {needed} finite numbers, as the skeleton needs; found {found}"

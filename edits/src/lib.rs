@@ -14,7 +14,7 @@
 //! | [`place`] | where edits of both kinds apply |
 //! | [`selector`] | what an edit applies to: script, action, cycle, repetition, pose, element, body part |
 //! | [`param`] | parameters: constants, curves over time or repetition, one value for each pose |
-//! | [`log`] | which edit last wrote each element; conflicts; what changed in clips |
+//! | [`log`] | which edits changed each element and joint, by how much; conflicts |
 //! | [`clip_change`] | what a clip edit changed: when, which joints, by how much |
 //! | [`succession`] | joints start one after another along the body |
 //! | [`amplitude`] | how far a movement goes about its average or a reference pose |
@@ -23,6 +23,7 @@
 //! | [`tension`] | how stiff the muscles are |
 //! | [`warp`] | a clip retimed by anchors |
 //! | [`by_example`] | an edit learned from a few edited seconds |
+//! | [`pin`] | points held in the world, on a link, or where they were, by whole-body IK |
 //! | [`pose_delta`] | one pose corrected and blended, or a block of them |
 //! | [`pose_request`] | a pose asked for by dragging |
 //! | [`time_delta`] | one pose dragged in time |
@@ -65,6 +66,7 @@ pub mod extent_reach;
 pub mod extent_shoulder;
 pub mod log;
 pub mod param;
+pub mod pin;
 pub mod place;
 pub mod pose_delta;
 pub mod pose_request;
@@ -79,7 +81,7 @@ pub mod warp;
 
 pub use amplitude::{Amplitude, Reference};
 pub use by_example::{ByExample, ExampleEdit, ExampleError};
-pub use clip_change::{ClipChange, Largest};
+pub use clip_change::{ClipChange, JointChange, Largest};
 pub use clip_edit::ClipEdit;
 pub use clip_motion::{Edited, Motion};
 pub use error::EditError;
@@ -87,6 +89,7 @@ pub use extent_reach::ExtentReach;
 pub use extent_shoulder::ExtentShoulder;
 pub use log::{Conflict, EditLog, Field};
 pub use param::Parameter;
+pub use pin::{Pin, PinAt, Pins};
 pub use place::{ClipPlace, Where};
 pub use pose_delta::{PoseChange, PoseDelta};
 pub use pose_request::{Met, PoseAnswer, PoseRequest};

@@ -1,6 +1,6 @@
-//! The edit log: which edit last wrote each element, where edits conflict, and what edits of clips changed.
+//! The edit log: which edits changed each element or joint, by how much, and where their order matters.
 //!
-//! Edits run in the order declared and a later one wins. The log is kept by [`TrackEdit::apply`] and
+//! Edits run in the order declared, each on what the one before left: they compose. The log is kept by [`TrackEdit::apply`] and
 //! [`ClipEdit::apply`], which compare the tracks or the clip before and after, so no edit can forget to report and an
 //! edit that changes nothing writes nothing. Two edits that wrote the same field of the same element conflict in the sense
 //! that their order matters; the log lists it, it is no error.
@@ -11,7 +11,7 @@
 use std::collections::BTreeMap;
 use std::fmt;
 
-use motion::{Element, Label, Skeleton, Tracks};
+use motion::{Dof, Element, Joint, Label, Skeleton, Tracks, Value};
 
 use crate::ClipChange;
 
@@ -48,7 +48,7 @@ impl fmt::Display for Field {
     }
 }
 
-/// One field that several edits wrote; the last one holds.
+/// One field that several edits wrote, each on what the one before left.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Conflict {
     /// The element.
@@ -59,11 +59,18 @@ pub struct Conflict {
     pub edits: Vec<usize>,
 }
 
+/// One edit of one field, and by how much, as people read it: `+0.200 s`, `12.0°`, `× 2.00`.
+#[derive(Clone, Debug, PartialEq)]
+struct Write {
+    edit: usize,
+    by: String,
+}
+
 /// What the edits did. See the module header.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct EditLog {
     edits: Vec<&'static str>,
-    writes: BTreeMap<Label, BTreeMap<Field, Vec<usize>>>,
+    writes: BTreeMap<Label, BTreeMap<Field, Vec<Write>>>,
     names: BTreeMap<Label, String>,
     base_tension: BTreeMap<String, Vec<usize>>,
     clamped: Vec<(usize, Label)>,
@@ -79,19 +86,19 @@ impl EditLog {
 
     /// The edit that last wrote any field of an element: its index and name.
     pub fn last_writer(&self, label: &Label) -> Option<(usize, &'static str)> {
-        let last = self.writes.get(label)?.values().filter_map(|w| w.last().copied()).max()?;
+        let last = self.writes.get(label)?.values().filter_map(|w| Some(w.last()?.edit)).max()?;
         Some((last, self.edits[last]))
     }
 
     /// The fields of an element that were written, each with the edit that last did.
     pub fn fields(&self, label: &Label) -> impl Iterator<Item = (Field, usize)> {
         let fields = self.writes.get(label).into_iter().flatten();
-        fields.filter_map(|(field, edits)| Some((*field, *edits.last()?)))
+        fields.filter_map(|(field, writes)| Some((*field, writes.last()?.edit)))
     }
 
     /// All elements written by the edit of this index, in order.
     pub fn written_by(&self, edit: usize) -> Vec<&Label> {
-        let wrote = |fields: &BTreeMap<Field, Vec<usize>>| fields.values().any(|w| w.contains(&edit));
+        let wrote = |fields: &BTreeMap<Field, Vec<Write>>| fields.values().flatten().any(|w| w.edit == edit);
         self.writes.iter().filter(|(_, fields)| wrote(fields)).map(|(label, _)| label).collect()
     }
 
@@ -99,9 +106,10 @@ impl EditLog {
     pub fn conflicts(&self) -> Vec<Conflict> {
         let mut found = Vec::new();
         for (label, fields) in &self.writes {
-            for (field, edits) in fields {
-                if edits.len() > 1 {
-                    found.push(Conflict { label: label.clone(), field: *field, edits: edits.clone() });
+            for (field, writes) in fields {
+                if writes.len() > 1 {
+                    let edits = writes.iter().map(|w| w.edit).collect();
+                    found.push(Conflict { label: label.clone(), field: *field, edits });
                 }
             }
         }
@@ -118,6 +126,24 @@ impl EditLog {
         let edit = |i: usize| format!("{} (edit {i})", self.edits[i]);
         let changes = self.clip_changes.iter().map(|c| format!("{}: {c}", edit(c.edit)));
         changes.chain(self.notes.iter().map(|(i, note)| format!("{}: {note}", edit(*i)))).collect()
+    }
+
+    /// A line for each joint that several edits of clips changed: in order, from when to when, by how much. Times are those of the clip
+    /// after the edit.
+    pub fn joint_lines(&self) -> Vec<String> {
+        let mut of_joint: Vec<(&str, Vec<String>)> = Vec::new();
+        for c in &self.clip_changes {
+            for j in &c.of_joints {
+                let edit = format!("{} (edit {})", self.edits[c.edit], c.edit);
+                let by = format!("{edit} {:.3} s to {:.3} s at most {}", j.from_s, j.to_s, j.by());
+                match of_joint.iter_mut().find(|(link, _)| *link == j.link) {
+                    Some((_, all)) => all.push(by),
+                    None => of_joint.push((&j.link, vec![by])),
+                }
+            }
+        }
+        let several = of_joint.iter().filter(|(_, all)| all.len() > 1);
+        several.map(|(link, all)| format!("{link}: by {}", all.join(", then "))).collect()
     }
 
     /// What edits of clips changed, in order; an edit that changed nothing is not among them.
@@ -166,9 +192,16 @@ impl EditLog {
     pub(crate) fn record(&mut self, before: &Tracks, after: &Tracks) {
         let edit = self.current();
         let old: BTreeMap<&Label, &Element> = before.elements().map(|(_, e)| (&e.label, e)).collect();
-        for (_, e) in after.elements() {
-            for field in old.get(&e.label).map_or_else(|| vec![Field::Created], |o| differing(o, e)) {
-                self.writes.entry(e.label.clone()).or_default().entry(field).or_default().push(edit);
+        for (dof, e) in after.elements() {
+            let created = || vec![(Field::Created, String::new())];
+            let metres = match dof {
+                Dof::Coordinate(..) => true,
+                Dof::Axis(link) => matches!(after.skeleton.links()[link].joint, Joint::Prismatic(_)),
+                Dof::Rotation(_) => false,
+            };
+            for (field, by) in old.get(&e.label).map_or_else(created, |o| differing(o, e, metres)) {
+                let writes = self.writes.entry(e.label.clone()).or_default().entry(field).or_default();
+                writes.push(Write { edit, by });
                 self.names.entry(e.label.clone()).or_insert_with(|| e.label.named(&after.skeleton));
             }
         }
@@ -186,29 +219,47 @@ impl EditLog {
     }
 }
 
-fn differing(a: &Element, b: &Element) -> Vec<Field> {
+/// The fields that differ, and by how much.
+///
+/// * `metres`: whether the end is a place
+fn differing(a: &Element, b: &Element, metres: bool) -> Vec<(Field, String)> {
+    let seconds = |a: f64, b: f64| format!("{:+.3} s", b - a);
+    let end = match (&a.end, &b.end) {
+        (Value::Scalar(x), Value::Scalar(y)) if metres => format!("{:+.1} mm", 1e3 * (y - x)),
+        (Value::Scalar(x), Value::Scalar(y)) => format!("{:+.1}°", (y - x).to_degrees()),
+        (x, y) => format!("{:.1}°", x.distance(y).to_degrees()),
+    };
+    let tension = match b.tension / a.tension {
+        factor if factor.is_finite() => format!("× {factor:.3}"),
+        _ => format!("from {} to {}", a.tension, b.tension),
+    };
     [
-        (Field::Start, a.start_s != b.start_s),
-        (Field::Duration, a.duration_s != b.duration_s),
-        (Field::Hold, a.hold_s != b.hold_s),
-        (Field::End, a.end != b.end),
-        (Field::Curve, a.curve != b.curve),
-        (Field::Tension, a.tension != b.tension),
+        (Field::Start, a.start_s != b.start_s, seconds(a.start_s, b.start_s)),
+        (Field::Duration, a.duration_s != b.duration_s, seconds(a.duration_s, b.duration_s)),
+        (Field::Hold, a.hold_s != b.hold_s, seconds(a.hold_s, b.hold_s)),
+        (Field::End, a.end != b.end, end),
+        (Field::Curve, a.curve != b.curve, format!("from {} to {}", a.curve, b.curve)),
+        (Field::Tension, a.tension != b.tension, tension),
     ]
     .into_iter()
-    .filter_map(|(field, changed)| changed.then_some(field))
+    .filter_map(|(field, changed, by)| changed.then_some((field, by)))
     .collect()
 }
 
-/// One line per element written, then base tensions, clamped elements, conflicts, changes of clips and remarks.
+/// One line per element written: its fields, each with the edits that changed it in order, and by how much; then base tensions, clamped
+/// elements, conflicts, changes of clips, of joints that several edits of clips changed, and remarks.
 impl fmt::Display for EditLog {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let edit = |i: usize| format!("{} (edit {i})", self.edits[i]);
         let text = |label: &Label| self.names.get(label).cloned().unwrap_or_else(|| label.to_string());
         for (label, fields) in &self.writes {
+            let write = |w: &Write| format!("{} {}", edit(w.edit), w.by).trim_end().to_owned();
             let fields: Vec<String> = fields
                 .iter()
-                .filter_map(|(field, w)| Some(format!("{field} by {}", edit(*w.last()?))))
+                .map(|(field, writes)| {
+                    let all: Vec<String> = writes.iter().map(write).collect();
+                    format!("{field} by {}", all.join(", then "))
+                })
                 .collect();
             writeln!(f, "{}: {}", text(label), fields.join(", "))?;
         }
@@ -224,8 +275,18 @@ impl fmt::Display for EditLog {
             let edits: Vec<String> = c.edits.iter().map(|&i| edit(i)).collect();
             writeln!(f, "{}: {} changed by {}", text(&c.label), c.field, edits.join(", then "))?;
         }
-        for line in self.clip_lines() {
+        for c in &self.clip_changes {
+            writeln!(f, "{}: {c}", edit(c.edit))?;
+            if c.of_joints.len() > 1 {
+                let all: Vec<String> = c.of_joints.iter().map(|j| format!("{} {}", j.link, j.by())).collect();
+                writeln!(f, "{}: at most {}", edit(c.edit), all.join(", "))?;
+            }
+        }
+        for line in self.joint_lines() {
             writeln!(f, "{line}")?;
+        }
+        for (i, note) in &self.notes {
+            writeln!(f, "{}: {note}", edit(*i))?;
         }
         Ok(())
     }

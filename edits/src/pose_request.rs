@@ -147,7 +147,7 @@ fn joint(s: &Skeleton, name: &str) -> Result<usize, EditError> {
 }
 
 /// The link and place of a joint or site.
-fn point(s: &Skeleton, name: &str) -> Result<(usize, Vec3), EditError> {
+pub(crate) fn point(s: &Skeleton, name: &str) -> Result<(usize, Vec3), EditError> {
     if let Some(link) = s.link(name) {
         return Ok((link, Vec3::zeros()));
     }

@@ -73,7 +73,7 @@ fn points(s: &Skeleton, q: &[f64], links: &[usize], weight: f64) -> Vec<Point> {
     let point = |&link: &usize| Point {
         link,
         at,
-        goal: Some(Goal { place: k.point(link, &at), weight }),
+        goal: Some(Goal { place: k.point(link, &at), weight, along: None }),
         on_floor: false,
     };
     links.iter().map(point).collect()

@@ -92,7 +92,7 @@ impl JointFit {
         stand(&self.skeleton, q);
         self.before.copy_from_slice(q);
         for (point, z) in self.points.iter_mut().zip(z.chunks_exact(3)) {
-            point.goal = Some(Goal { place: Vec3::new(z[0], z[1], z[2]), weight: 1.0 });
+            point.goal = Some(Goal { place: Vec3::new(z[0], z[1], z[2]), weight: 1.0, along: None });
         }
         let problem = Problem {
             points: &self.points,

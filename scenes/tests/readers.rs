@@ -135,10 +135,12 @@ fn the_rest_of_a_scene_has_the_values_of_the_text() {
     let script = "script: [Action(name: \"a\", cycles: [Cycle(poses: [Pose(duration_s: 1, set_deg: { \"elbow_r\": 90 })])])]";
     let s = scene(&format!(
         "{script}, edits: [Amplitude(on: \"a\", factor: [1, 0.5]), Tension(on: \"a\", factor: (over_time_s: [(0, 1), (1, 2)])), Tension(on: \"a\", absolute: (over_repetition: [(0, 1)])),
-          ExtentReach(on: \"a\", factor: 1), ExtentShoulder(on: \"a\", extent: 0.5), Warp(times_s: [(0, 0), (1, 2)])]"
+          ExtentReach(on: \"a\", factor: 1), ExtentShoulder(on: \"a\", extent: 0.5), Warp(times_s: [(0, 0), (1, 2)]),
+          Pin(point: \"wrist_r\", point_m: (-0.1, 0, 0), at: Link(\"pelvis\", (0.1, 0, 0.1)), from_s: 0.5, to_s: 1), Pin(point: \"gaze\", at: Asked, from_s: 0, to_s: 1, blend_s: 0)]"
     ));
     let names: Vec<&str> = s.edits.iter().map(|e| e.kind.name()).collect();
-    assert_eq!(names.len(), 6);
+    assert_eq!(names.len(), 8);
+    assert_eq!(names[6..], ["pin", "pin"]);
     assert!(names[0].contains("mplitude") && names[5].contains("arp"), "{names:?}");
     assert_eq!(s.edits[0].place.on, ["a"]);
 
@@ -258,6 +260,14 @@ fn scenes_are_refused_with_words() {
         (
             format!("{}, edits: [Warp(times_s: [(0, 0), (1, 2)]), Amplitude(on: \"a\", factor: 1)]", pose("set_deg: { \"elbow_r\": 4 }")),
             "allowed: edits of the script first",
+        ),
+        (
+            format!("{}, edits: [Pin(point: \"gaze\", at: World(0, 1, 2), from_s: 0, to_s: 1), Warp(times_s: [(0, 0), (1, 2)])]", pose("set_deg: { \"elbow_r\": 4 }")),
+            "the edit `warp` comes after the pin of `gaze`; allowed: pins last",
+        ),
+        (
+            format!("{}, edits: [Pin(point: \"gaze\", at: Nowhere, from_s: 0, to_s: 1)]", pose("set_deg: { \"elbow_r\": 4 }")),
+            "Nowhere",
         ),
         (
             format!("{}, edits: [Amplitude(on: \"a\", factor: (over_tme_s: []))]", pose("set_deg: { \"elbow_r\": 4 }")),

@@ -3,7 +3,7 @@
 //! In: a BVH file or a clip in memory, with or without a body, the conditions, the clip edits of a scene. Out: its [`Take`].
 //!
 //! ```text
-//! clip ─→ body guessed or given ─→ clip edits ─→ limits ─→ feet planted where it stands ─→ Take
+//! clip ─→ body guessed or given ─→ clip edits ─→ limits ─→ feet planted where it stands ⇄ pins ─→ Take
 //! ```
 
 use std::ops::Range;
@@ -22,13 +22,14 @@ use motion::{Clip, Contact, ContactPlan, Floor, Kinematics, TimeMap};
 use scenes::StripSpec;
 use scenes::library::{self, Kind};
 use scenes::scene::Scene;
-use scenes::{ConditionsSpec, TuneSpec, character_file};
+use scenes::{ConditionsSpec, SceneError, TuneSpec, character_file};
 
 use crate::clip_edits::{self, Clips};
 use crate::conditions::begin_in_time;
 use crate::error::MOST_STEPS;
 use crate::footing;
 use crate::limited::within_limits;
+use crate::pins;
 use crate::standing::stance;
 use crate::take::{Asked, Body, ClipSource, Source, Take};
 use crate::{Ask, Conditions, TakeError};
@@ -237,11 +238,40 @@ pub(crate) fn take(
         let lengths_s = [take.unedited.duration_s(), duration_s];
         begin_in_time(scene, lengths_s, "the motion is as long as its clip")?;
     }
-    let take = match ask.overrides.span_s {
-        Some(span) => take.cut(frames_of(span, &take.asked.clip, &shown)?),
-        None => take,
+    let (take, shift_s) = match ask.overrides.span_s {
+        Some(span) => {
+            let frames = frames_of(span, &take.asked.clip, &shown)?;
+            let shift_s = -(frames.start as f64) / take.asked.clip.rate_hz;
+            (take.cut(frames), shift_s)
+        }
+        None => (take, 0.0),
     };
-    stand_throughout(take, &shown)
+    let mut take = stand_throughout(take, &shown)?;
+    if let Some(scene) = scene.filter(|_| !ask.no_edits) {
+        hold_pins(&mut take, scene, shift_s)?;
+    }
+    Ok(take)
+}
+
+/// Holds the pins of a scene in a take that stands or steps as it will.
+fn hold_pins(take: &mut Take, scene: &Scene, shift_s: f64) -> Result<(), SceneError> {
+    let stands = !take.asked.plants.is_empty();
+    let (steps, _) = footing::of(&take.body.character, &take.asked.clip);
+    let motion = Motion {
+        contacts: if stands { take.asked.contacts.clone() } else { steps },
+        floor_m: take.asked.stance.as_ref().map(|s| s.ground_m),
+        unedited: Some(take.unedited.clone().into()),
+        times: take.asked.times.clone(),
+        ..Motion::of(take.asked.clip.clone())
+    };
+    let again = |clip: &mut Clip| if stands { take.carry(clip) } else { Ok(()) };
+    let mut log = take.log.clone();
+    let held = pins::hold(scene, &motion, shift_s, &again, &mut log)?;
+    take.log = log;
+    if let Some(clip) = held {
+        take.asked.clip = clip;
+    }
+    Ok(())
 }
 
 /// Frames of a span of time.

@@ -36,7 +36,8 @@ pub(crate) fn apply(
     for e in &scene.edits {
         let fault = |x: &dyn std::error::Error| scene.source.error(&e.at, x.to_string());
         let edited = match &e.kind {
-            EditKind::Track(_) => continue,
+            // pins act last, on a motion that was made possible: `pins`
+            EditKind::Track(_) | EditKind::Pin(_) => continue,
             EditKind::Clip(edit) => edit.apply(&motion, &e.place, log),
             EditKind::Stored(stored) => {
                 if matches!(stored, StoredEdit::ByExample { .. }) {

@@ -16,10 +16,10 @@ use motion::names::Word;
 use motion::{Clip, Dof, Joint, Kinematics, Limits, Range, Skeleton, Tracks, Value};
 use serde::Serialize;
 
-use crate::TakeError;
 use crate::ask::is_ron;
 use crate::results::subject_report::DecidedReport;
 use crate::script::{USUAL_FRAMES_HZ, edited_tracks};
+use crate::{Ask, TakeError};
 use edits::EditLog;
 use scenes::angle::deg_from_quat;
 use scenes::library::{self, Kind};
@@ -252,7 +252,12 @@ pub fn inspect(path: &Path, import: &ImportOptions) -> Result<(Inspection, Optio
             }
             let name = path.file_stem().map_or_else(String::new, |s| s.to_string_lossy().into_owned());
             let scene = scene::parse(source, name)?;
-            Ok((Inspection::Scene(of_scene(&scene)?), None))
+            // what clip edits change is known once they have run
+            let log = match scene.edits.iter().any(|e| e.kind.is_of_clips()) {
+                true => Some(crate::open(path.clone(), &Ask { import: *import, ..Ask::default() })?.log),
+                false => None,
+            };
+            Ok((Inspection::Scene(of_scene(&scene, log)?), None))
         }
         _ if formats::table::is_model(path) => {
             let read = formats::open_model(path, &model::ImportOptions { dynamics_only: true })?;
@@ -381,7 +386,7 @@ fn limits(joint: &Joint, limits: Option<&Limits>) -> (BTreeMap<&'static str, [f6
     }
 }
 
-fn of_scene(scene: &Scene) -> Result<SceneInspection, TakeError> {
+fn of_scene(scene: &Scene, whole: Option<EditLog>) -> Result<SceneInspection, TakeError> {
     let (script, motion) = (scene.motion.script(), scene.motion.describe());
     let (tracks, log) = match script {
         Some(script) => {
@@ -392,8 +397,8 @@ fn of_scene(scene: &Scene) -> Result<SceneInspection, TakeError> {
             (Tracks::new(scene.character.skeleton.clone(), scene.character.rest.clone()), EditLog::default())
         }
     };
-    let mut edits: Vec<String> = log.edits().iter().map(|e| (*e).to_owned()).collect();
-    edits.extend(scene.edits.iter().filter(|e| e.kind.is_of_clips()).map(|e| e.kind.name().to_owned()));
+    let log = whole.unwrap_or(log);
+    let edits: Vec<String> = log.edits().iter().map(|e| (*e).to_owned()).collect();
     let name = |edit: usize| format!("{} (edit {edit})", log.edits()[edit]);
     let s = &scene.character.skeleton;
     let elements = tracks.elements().map(|(dof, e)| {

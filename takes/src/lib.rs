@@ -19,6 +19,7 @@
 //! | [`posing`] | a clip posed by dragging |
 //! | [`standing`] | the parts of a clip a body can perform on its own feet |
 //! | [`styles`] | style components of two takes, put into a third |
+//! | `pins` | the pins of a scene, held after every other edit |
 //! | [`perform`] | the dynamic pass |
 //! | [`results`] | what a take leaves |
 //! | [`inspect`] | what is in a file |
@@ -41,6 +42,7 @@ pub mod limited;
 pub mod open;
 mod opening;
 pub mod perform;
+mod pins;
 pub mod posing;
 mod possible;
 pub mod progress;

@@ -97,6 +97,29 @@ impl Sampler<'_> {
         tracks: &Tracks,
         times: &TimeMap,
     ) -> Result<Finished, SceneError> {
+        let done = self.possible(clip, None, tracks, times);
+        done.map_err(|e| self.scene.source.error("planted", e.to_string()))
+    }
+
+    /// The same of a clip that was finished, and then changed without moving what stands: `asked` is the clip as it was before, whose
+    /// roots say what was asked of them.
+    pub(crate) fn again(
+        &self,
+        clip: Clip,
+        asked: &Clip,
+        tracks: &Tracks,
+        times: &TimeMap,
+    ) -> Result<Finished, IkError> {
+        self.possible(clip, Some(asked), tracks, times)
+    }
+
+    fn possible(
+        &self,
+        clip: Clip,
+        before: Option<&Clip>,
+        tracks: &Tracks,
+        times: &TimeMap,
+    ) -> Result<Finished, IkError> {
         let (frames, rate_hz) = (clip.frames(), clip.rate_hz);
         let (clip, clamped, limited) = within_limits(clip);
         let mut finished = Finished { clip, clamped, limited, lowered_m: vec![0.0; frames], shifted: None };
@@ -108,23 +131,24 @@ impl Sampler<'_> {
             .map(|f| f as f64 / rate_hz)
             .map(|t_s| script_s.as_ref().map_or(t_s, |map| map.at(t_s)))
             .collect();
-        let done = if self.scene.conditions.physics.root == RootMode::Pinned {
-            self.follow(&mut finished, &moments)
+        if self.scene.conditions.physics.root == RootMode::Pinned {
+            self.follow(&mut finished, before, &moments)?;
         } else {
-            self.balance(&mut finished, tracks, &moments)
-        };
-        done.map_err(|e| self.scene.source.error("planted", e.to_string()))?;
+            self.balance(&mut finished, before, tracks, &moments)?;
+        }
         Ok(finished)
     }
 
     /// Legs follow a root that goes where the script says.
-    fn follow(&self, finished: &mut Finished, moments: &[f64]) -> Result<(), IkError> {
+    fn follow(&self, finished: &mut Finished, before: Option<&Clip>, moments: &[f64]) -> Result<(), IkError> {
         let skeleton = &self.scene.character.skeleton;
         for (f, t_s) in moments.iter().enumerate() {
             let q = finished.clip.pose_mut(f);
             let (plants, height) = self.script.footwork.at(*t_s, self.plants);
-            let asked = skeleton.position(q, 0) + Vec3::y() * height;
-            if height > 0.0 {
+            let from = before.map_or(skeleton.position(q, 0), |clip| skeleton.position(clip.pose(f), 0));
+            let asked = from + Vec3::y() * height;
+            // what was finished is in the air already
+            if height > 0.0 && before.is_none() {
                 skeleton.set_position(q, 0, &asked);
             }
             plant(skeleton, q, &plants)?;
@@ -134,7 +158,13 @@ impl Sampler<'_> {
     }
 
     /// The body over its feet.
-    fn balance(&self, finished: &mut Finished, tracks: &Tracks, moments: &[f64]) -> Result<(), IkError> {
+    fn balance(
+        &self,
+        finished: &mut Finished,
+        before: Option<&Clip>,
+        tracks: &Tracks,
+        moments: &[f64],
+    ) -> Result<(), IkError> {
         let character = &self.scene.character;
         let skeleton = &character.skeleton;
         let physics = &self.scene.conditions.physics;
@@ -149,7 +179,8 @@ impl Sampler<'_> {
         let mut balanced = vec![0.0; skeleton.nq()];
         for (f, t_s) in moments.iter().enumerate() {
             let q = finished.clip.pose_mut(f);
-            let asked = skeleton.position(q, 0);
+            let here = skeleton.position(q, 0);
+            let asked = before.map_or(here, |clip| skeleton.position(clip.pose(f), 0));
             balanced.copy_from_slice(q);
             settle(&model, &mut state, &mut balanced, self.plants, stance)?;
             let rules = keyed.each_ref().map(|k| k.as_ref().map_or(0.0, |k| share(k, *t_s)));
@@ -158,7 +189,7 @@ impl Sampler<'_> {
             } else {
                 let free = ground(&skeleton.position(&balanced, 0)) - home;
                 let [x, z] = [0, 1].map(|k| (1.0 - rules[k]) * free[k]);
-                skeleton.set_position(q, 0, &(asked + Vec3::new(x, 0.0, z)));
+                skeleton.set_position(q, 0, &Vec3::new(asked.x + x, here.y, asked.z + z));
                 plant(skeleton, q, self.plants)?;
             }
             finished.lowered_m[f] = asked.y - skeleton.position(q, 0).y;

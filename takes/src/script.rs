@@ -3,8 +3,10 @@
 //! In: a checked scene whose motion is a script. Out: its [`Take`], or an error at the place of what makes no sense.
 //!
 //! ```text
-//! script ─→ tracks ─→ track edits ─→ sampled ─→ clip edits ─→ limits, feet planted, balanced ─→ Take
+//! script ─→ tracks ─→ track edits ─→ sampled ─→ clip edits ─→ limits, feet planted, balanced ⇄ pins ─→ Take
 //! ```
+
+use std::cell::RefCell;
 
 use crate::conditions::begin_in_time;
 use controllers::{Dense, DenseJoint};
@@ -12,7 +14,7 @@ use dynamics::conditions::RootMode;
 use edits::{EditLog, Motion, Where};
 use motion::plant::{Knee, Plant};
 use motion::{
-    Contact, ContactPlan, Dof, Element, Floor, Joint, LimbKind, TimeMap, Timing, Tracks, Transform,
+    Clip, Contact, ContactPlan, Dof, Element, Floor, Joint, LimbKind, TimeMap, Timing, Tracks, Transform,
 };
 use nalgebra::Translation3;
 use scenes::SceneError;
@@ -21,6 +23,7 @@ use scenes::scene::{EditKind, Scene, SceneEdit, ScriptSpec};
 use crate::clip_edits::{self, Clips};
 use crate::error::{MOST_STEPS, too_long};
 use crate::ignored::ignored;
+use crate::pins;
 use crate::possible::{Finished, Sampler};
 use crate::take::{Asked, Body, Source, Take, USUAL_RATE_HZ};
 use crate::{Ask, Conditions};
@@ -120,9 +123,31 @@ pub(crate) fn take(scene: &Scene, script: &ScriptSpec, ask: &Ask) -> Result<Take
     let times = asked.motion.times.clone();
     let length = if asked.changed { asked.motion.clip.duration_s() } else { end };
     begin_in_time(scene, [end, length], "settle_s makes the still time after the last element longer")?;
-    let Finished { clip, clamped, limited, lowered_m, shifted } =
-        sampler.finish(asked.motion.clip, &tracks, &times)?;
-    let mut dense = if asked.changed { clip_edits::dense(&tracks, &log, &times) } else { Dense::default() };
+    let Clips { motion, mut changed } = asked;
+    let contacts = motion.contacts.clone();
+    let mut finished = sampler.finish(motion.clip.clone(), &tracks, &times)?;
+    if !ask.no_edits {
+        let sampled = &motion.clip;
+        let last = RefCell::new(None);
+        let again = |clip: &mut Clip| {
+            let done = sampler.again(clip.clone(), sampled, &tracks, &times)?;
+            clip.clone_from(&done.clip);
+            last.replace(Some(done));
+            Ok(())
+        };
+        let possible =
+            Motion { clip: finished.clip.clone(), unedited: Some(unedited.clone().into()), ..motion.clone() };
+        if let Some(clip) = pins::hold(scene, &possible, 0.0, &again, &mut log)? {
+            changed |= clip != finished.clip;
+            // what was limited was limited before the pins
+            if let Some(Finished { lowered_m, shifted, .. }) = last.into_inner() {
+                finished = Finished { lowered_m, shifted, ..finished };
+            }
+            finished.clip = clip;
+        }
+    }
+    let Finished { clip, clamped, limited, lowered_m, shifted } = finished;
+    let mut dense = if changed { clip_edits::dense(&tracks, &log, &times) } else { Dense::default() };
     follow_led(&mut dense, &tracks, &times);
     follow_plants(&mut dense, &tracks, &plants, scene.conditions.physics.root == RootMode::Pinned);
     let lowered = |from_s: f64, to_s: f64| {
@@ -141,7 +166,7 @@ pub(crate) fn take(scene: &Scene, script: &ScriptSpec, ask: &Ask) -> Result<Take
             tracks: transitions.then_some(tracks),
             dense,
             plants,
-            contacts: asked.motion.contacts,
+            contacts,
             stance: None,
             clamped,
             ignored,

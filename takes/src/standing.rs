@@ -43,7 +43,35 @@ fn part(clip: &Clip, frames: Range<usize>) -> Clip {
     Clip::new(clip.skeleton.clone(), clip.rate_hz, clip.data()[frames.start * nq..frames.end * nq].to_vec())
 }
 
+/// Moves the root where the soles could not carry the motion.
+fn carry(
+    character: &Character,
+    model: &Model,
+    clip: &mut Clip,
+    plants: &[Plant],
+    ground_m: f64,
+) -> Result<(), IkError> {
+    let feet = Foot::of(character, model);
+    let derivatives = Derivatives::central(clip);
+    admit(model, clip, &derivatives, &feet, plants, ground_m, MARGIN)?;
+    Ok(())
+}
+
 impl Take {
+    /// Moves the root of a clip that stands as this take's where the soles could not carry it; feet are planted again.
+    ///
+    /// # Errors
+    /// Legs that two-bone IK cannot solve.
+    pub(crate) fn carry(&self, clip: &mut Clip) -> Result<(), IkError> {
+        let (character, plants) = (&self.body.character, &self.asked.plants);
+        let Some(stance) = &self.asked.stance else { return Ok(()) };
+        for f in 0..clip.frames() {
+            plant(&character.skeleton, clip.pose_mut(f), plants)?;
+        }
+        let model = Model::new(character, self.conditions.physics.gravity);
+        carry(character, &model, clip, plants, stance.ground_m)
+    }
+
     /// Whether this is a clip that stands on the ground free, but only in parts: they are performed each by itself.
     pub fn stands_in_parts(&self) -> bool {
         let stands = |s: &Stance| s.standing().next().is_some();
@@ -115,9 +143,7 @@ impl Take {
         let model = Model::new(character, physics.gravity);
         let strength = strength(&model, &mut State::new(&model), &clip, &AnalysisOptions::default());
         let mut clip = motion::smooth::smooth_at(&clip, strength).clip;
-        let feet = Foot::of(character, &model);
-        let derivatives = Derivatives::central(&clip);
-        admit(&model, &mut clip, &derivatives, &feet, &plants, ground_m, MARGIN)?;
+        carry(character, &model, &mut clip, &plants, ground_m)?;
         let stands = StanceSpan { frames: 0..clip.frames(), stands: true, stepping: Vec::new() };
         let friction = physics.ground.map_or(FRICTION, |g| g.friction);
         let ground = Some(Floor::level(ground_m, friction));

@@ -22,7 +22,8 @@ fn a_scene() {
         "bow from 0.00 s",
         "bow_0_0_elbow_r",
         "EaseInOut",
-        "end by amplitude (edit 2)",
+        "end by amplitude (edit 1) ",
+        ", then amplitude (edit 2) ",
         "changed by amplitude (edit 1), then amplitude (edit 2)",
         "knee_l",
     ] {
@@ -92,4 +93,20 @@ fn help() {
     }
     let version = place.run(&["--version"]);
     assert_eq!((version.code, version.stdout.starts_with("contrapposto 0.")), (0, true));
+}
+
+/// What clip edits change is in the log too, joint by joint.
+#[test]
+fn a_scene_with_a_pin() {
+    let place = Place::new();
+    let v = json(&place, support::scene("bow-gaze.ron").to_str().unwrap());
+    assert_eq!(v["edits"], serde_json::json!(["succession", "pin"]));
+    let log: Vec<&str> = v["log"].as_array().unwrap().iter().filter_map(|l| l.as_str()).collect();
+    for word in [
+        "pin (edit 1): gaze held from 0.800 s to 3.800 s",
+        "pin (edit 1): at most pelvis ",
+        ": start by succession (edit 0) +",
+    ] {
+        assert!(log.iter().any(|l| l.contains(word)), "`{word}` is not in\n{}", log.join("\n"));
+    }
 }

@@ -84,3 +84,25 @@ fn style_refuses_what_it_cannot_do() {
         assert!(done.stderr.contains(why), "{all:?}: {}", done.stderr);
     }
 }
+
+/// Without styles all that ship are tried; named ones go as files do; an unknown name is no file.
+#[test]
+fn styles_that_ship_are_tried_on_a_walk() {
+    let place = Place::new();
+    let walk = support::scene("performances/walk.ron").canonicalize().unwrap().display().to_string();
+    let done = place.run(&["style", "try", &walk, "--out", "all"]);
+    assert_eq!(done.code, 0, "{}", done.stderr);
+    // the walk itself, and five styles
+    assert!(place.at("all/styles-5.bvh").is_file() && !place.at("all/styles-6.bvh").exists());
+    let strip = std::fs::read_to_string(place.at("all/plots/styles.svg")).unwrap();
+    for name in ["tired", "proud", "sneaky", "limping", "childish"] {
+        assert!(strip.contains(name), "{name}");
+    }
+    let done =
+        place.run(&["style", "transfer", "--from", "tired", "--to", &walk, "--no-plots", "--out", "one"]);
+    assert_eq!(done.code, 0, "{}", done.stderr);
+    assert!(done.stdout.contains("of walk-tired by 1"), "{}", done.stdout);
+    let done = place.run(&["style", "try", &walk, "tyred"]);
+    assert_eq!(done.code, 2, "{}", done.stdout);
+    assert!(done.stderr.contains("tyred"), "{}", done.stderr);
+}

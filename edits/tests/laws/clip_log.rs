@@ -46,7 +46,8 @@ fn the_log_says_when_which_joints_and_how_much() {
     assert_eq!((change.slopes, change.lengths_s), (None, (2.8, 2.8)));
     assert_eq!(
         log.to_string(),
-        "nudge (edit 0): 1.000 s to 1.500 s: pelvis, spine1, elbow_r; at most 5.73° at spine1; pelvis moved by at most 5.0 mm\n"
+        "nudge (edit 0): 1.000 s to 1.500 s: pelvis, spine1, elbow_r; at most 5.73° at spine1; pelvis moved by at most 5.0 mm\n\
+         nudge (edit 0): at most pelvis 5.0 mm, spine1 5.73°, elbow_r 2.86°\n"
     );
 }
 

@@ -10,6 +10,7 @@ mod extent;
 mod identity;
 mod log;
 mod order;
+mod pin;
 mod place;
 mod pose_delta;
 mod selectors;

@@ -6,7 +6,8 @@
 //! Z(q) = Σ_p w_p |x_p(q) − g_p|² + Σ_d W_d (q ⊖ q₀)_d² + w_l Σ_j |e_j(q)|² + w_f Σ_p max(0, h − x_p,y(q))²
 //! ```
 //!
-//! Symbols: `x_p` points of links (world, m), `g_p` their goals; `q ⊖ q₀` the tangent of [`Skeleton::difference`] from the
+//! Symbols: `x_p` points of links (world, m), `g_p` their goals (of a point that may be anywhere along a line, only what is across
+//! it counts); `q ⊖ q₀` the tangent of [`Skeleton::difference`] from the
 //! reference q₀, rad and m; `e_j` the way of a joint back to its limits ([`tangent_correction`]); `h` the height of a
 //! floor. All limits, goals and the floor are terms of the sum: how firmly each is kept is a matter of its weight.
 //!
@@ -62,6 +63,18 @@ pub struct Goal {
     pub place: Vec3,
     /// Its weight w_p, 1/m², > 0.
     pub weight: f64,
+    /// A direction (world, unit) in which the point may be anywhere: only what is across it counts.
+    pub along: Option<Vec3>,
+}
+
+impl Goal {
+    /// The part of a way that counts.
+    fn counts(&self, way: Vec3) -> Vec3 {
+        match &self.along {
+            None => way,
+            Some(along) => way - along * along.dot(&way),
+        }
+    }
 }
 
 /// A floor that points should not be below.
@@ -304,7 +317,7 @@ impl WholeBody {
         self.k.update(&self.skeleton, q);
         let place = |p: &Point| self.k.point(p.link, &p.at);
         let goals = problem.points.iter().filter_map(|p| Some((place(p), p.goal?)));
-        let missed: f64 = goals.map(|(at, g)| g.weight * (at - g.place).norm_squared()).sum();
+        let missed: f64 = goals.map(|(at, g)| g.weight * g.counts(at - g.place).norm_squared()).sum();
         let links = 0..self.skeleton.links().len();
         let ways = links.filter_map(|i| tangent_correction(&self.skeleton, q, i));
         let beyond: f64 = ways.map(|e| e.norm_squared()).sum();
@@ -378,7 +391,7 @@ impl WholeBody {
             if let Some(goal) = p.goal {
                 let missing = goal.place - at;
                 for (a, &u) in chain.iter().enumerate() {
-                    let c = self.columns[a] * goal.weight;
+                    let c = goal.counts(self.columns[a]) * goal.weight;
                     self.right[u] += c.dot(&missing);
                     for (&v, other) in chain[..=a].iter().zip(&self.columns) {
                         self.normal[u * n + v] += c.dot(other);

@@ -87,7 +87,7 @@ impl ContactIk {
         for (contact, (point, has_phase)) in self.points.iter_mut().zip(&self.has_phase).enumerate() {
             let (place, firmness) = goal(contact);
             let weight = FLIGHT * (GOAL / FLIGHT).powf(firmness);
-            point.goal = has_phase.then_some(Goal { place, weight });
+            point.goal = has_phase.then_some(Goal { place, weight, along: None });
             point.on_floor = firmness < 1.0;
         }
         let problem = Problem {

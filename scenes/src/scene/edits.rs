@@ -11,13 +11,13 @@ use std::path::PathBuf;
 use edits::by_example::Contacts;
 use edits::style::Timing;
 use edits::{
-    Amount, Amplitude, ClipEdit, ExtentReach, ExtentShoulder, Parameter, PoseChange, PoseDelta, PoseRequest,
-    Reference, Succession, Tension, TimeDelta, TrackEdit, Warp, Where,
+    Amount, Amplitude, ClipEdit, ExtentReach, ExtentShoulder, Parameter, Pin, PinAt, PoseChange, PoseDelta,
+    PoseRequest, Reference, Succession, Tension, TimeDelta, TrackEdit, Warp, Where,
 };
 
 use super::{Check, SceneSource};
 use crate::SceneError;
-use crate::schema::{EditRon, ParameterRon};
+use crate::schema::{EditRon, ParameterRon, PinAtRon};
 
 /// What an edit of a scene changes.
 pub enum EditKind {
@@ -27,6 +27,8 @@ pub enum EditKind {
     Clip(Box<dyn ClipEdit + Send + Sync>),
     /// The same, by what a file holds; nothing is opened here.
     Stored(StoredEdit),
+    /// A point held while the edits before it apply; all pins of a scene act at once.
+    Pin(Pin),
 }
 
 /// A clip edit that a file holds.
@@ -89,6 +91,7 @@ impl EditKind {
             Self::Track(edit) => edit.name(),
             Self::Clip(edit) => edit.name(),
             Self::Stored(edit) => edit.name(),
+            Self::Pin(_) => "pin",
         }
     }
 
@@ -117,6 +120,15 @@ impl Check<'_> {
             if let EditKind::Track(_) = edit.kind {
                 self.may_edit_tracks(&edit, &out, source)?;
             }
+            if let (false, Some(EditKind::Pin(pin))) =
+                (matches!(edit.kind, EditKind::Pin(_)), out.last().map(|last| &last.kind))
+            {
+                let (name, point) = (edit.kind.name(), &pin.point);
+                let why = format!(
+                    "the edit `{name}` comes after the pin of `{point}`; allowed: pins last, they hold whatever the other edits do"
+                );
+                return Err(self.source.error(&edit.at, why));
+            }
             out.push(edit);
         }
         Ok(out)
@@ -136,9 +148,8 @@ impl Check<'_> {
                 "the edit `{name}` changes the poses of a script; the motion of this scene is: {}",
                 source.describe()
             );
-            return Err(
-                refused(why).with_help("edits of any motion: Warp, PoseDelta, TimeDelta, ByExample, Style")
-            );
+            return Err(refused(why)
+                .with_help("edits of any motion: Warp, PoseDelta, TimeDelta, ByExample, Style, Pin"));
         }
         match before.iter().find(|b| b.kind.is_of_clips()) {
             None => Ok(()),
@@ -162,6 +173,7 @@ impl Check<'_> {
             | EditRon::PoseDelta { on, repetition, parts, span_s, .. }
             | EditRon::Style { on, repetition, parts, span_s, .. }
             | EditRon::TimeDelta { on, repetition, parts, span_s, .. } => (on, repetition, parts, *span_s),
+            EditRon::Pin { .. } => (const { &String::new() }, &None, const { &Vec::new() }, None),
         };
         let track = |edit: Box<dyn TrackEdit + Send + Sync>| EditKind::Track(edit);
         let kind = match e {
@@ -230,6 +242,18 @@ impl Check<'_> {
                     names: names.clone(),
                 })))
             }
+            EditRon::Pin { point, point_m, at, from_s, to_s, blend_s } => EditKind::Pin(Pin {
+                point: point.clone(),
+                point_m: (*point_m).into(),
+                at: match at {
+                    PinAtRon::World(x, y, z) => PinAt::World([*x, *y, *z]),
+                    PinAtRon::Link(link, at) => PinAt::Link(link.clone(), (*at).into()),
+                    PinAtRon::Asked => PinAt::Asked,
+                },
+                from_s: *from_s,
+                to_s: *to_s,
+                blend_s: *blend_s,
+            }),
             EditRon::Warp { times_s, .. } => EditKind::Clip(Box::new(Warp { anchors: times_s.clone() })),
         };
         let on = on.split(',').map(|text| text.trim().to_owned()).collect();

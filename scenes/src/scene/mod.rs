@@ -95,7 +95,7 @@ pub fn parse(source: Source, name: String) -> Result<Scene, SceneError> {
     let edits = check.edits(&ron.edits, &motion)?;
     files.extend(edits.iter().filter_map(|e| match &e.kind {
         EditKind::Stored(stored) => Some(stored.file().clone()),
-        EditKind::Track(_) | EditKind::Clip(_) => None,
+        EditKind::Track(_) | EditKind::Clip(_) | EditKind::Pin(_) => None,
     }));
     files.retain(|file| !library::is_location(file));
     let conditions = check.conditions(&ron, physics)?;

@@ -180,6 +180,16 @@ pub enum EditRon {
         blend_s: f64,
         block_s: Option<(f64, f64)>,
     },
+    Pin {
+        point: String,
+        #[serde(default)]
+        point_m: (f64, f64, f64),
+        at: PinAtRon,
+        from_s: f64,
+        to_s: f64,
+        #[serde(default = "pin_blend_s")]
+        blend_s: f64,
+    },
     TimeDelta {
         #[serde(default)]
         on: String,
@@ -192,6 +202,19 @@ pub enum EditRon {
         #[serde(default = "blend_s")]
         blend_s: f64,
     },
+}
+
+/// Where a pin holds: in the world (m), on a point of a link (its frame, m), or where it was before the edits.
+#[derive(Debug, Deserialize)]
+#[expect(missing_docs, reason = "as described above")]
+pub enum PinAtRon {
+    World(f64, f64, f64),
+    Link(String, (f64, f64, f64)),
+    Asked,
+}
+
+fn pin_blend_s() -> f64 {
+    edits::pin::BLEND_S
 }
 
 fn blend_s() -> f64 {

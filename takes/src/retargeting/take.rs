@@ -17,6 +17,7 @@ use crate::conditions::begin_in_time;
 use crate::error::{MOST_STEPS, too_long};
 use crate::limited::within_limits;
 use crate::opening::Opening;
+use crate::pins;
 use crate::take::{Asked, Body, RetargetSource, Source, Take};
 use crate::{Ask, Conditions};
 
@@ -73,6 +74,18 @@ pub(crate) fn take(
             contacts = edited.motion.contacts;
             times = edited.motion.times;
             (clip, clamped, limited) = within_limits(edited.motion.clip);
+        }
+    }
+    if !ask.no_edits {
+        let motion = Motion {
+            contacts: contacts.clone(),
+            floor_m: Some(0.0),
+            unedited: Some(unedited.clone().into()),
+            times: times.clone(),
+            ..Motion::of(clip.clone())
+        };
+        if let Some(held) = pins::hold(scene, &motion, 0.0, &|_| Ok(()), &mut log)? {
+            clip = held;
         }
     }
     let take = Take {

@@ -42,9 +42,13 @@ fn shown(set: &StyleSet) -> Vec<usize> {
     part(0, set.frames[0]).chain(part(set.frames[0], set.frames[1])).collect()
 }
 
+/// Height of a figure of a contact sheet, pixels.
+pub const BODY_HEIGHT: f64 = 190.0;
+
 /// All components as motions, each with its words: the joined clip, all components together, then one row for each. The
-/// left half is the first clip, the right half the second. `take`: a take of the first clip.
-pub fn contact_sheet(take: &Take, set: &StyleSet, title: &str) -> Figure {
+/// left half is the first clip, the right half the second. `take`: a take of the first clip; `body_height`: of a figure, in pixels
+/// ([`BODY_HEIGHT`] on its own page).
+pub fn contact_sheet(take: &Take, set: &StyleSet, title: &str, body_height: f64) -> Figure {
     let frames = shown(set);
     let cut = |u: nalgebra::DMatrix<f64>| u.select_rows(&frames);
     let mut rows: Vec<(String, Clip)> = vec![(
@@ -62,7 +66,7 @@ pub fn contact_sheet(take: &Take, set: &StyleSet, title: &str) -> Figure {
     let strip: Vec<StripRow> = rows.iter().map(|(label, clip)| StripRow::new(label, clip)).collect();
     let options = StripOptions {
         count: COUNT,
-        body_height: 190.0,
+        body_height,
         title: Some(title.into()),
         ground_m: Some(0.0),
         ..StripOptions::default()

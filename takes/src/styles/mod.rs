@@ -9,6 +9,7 @@
 //! ```
 
 pub mod figures;
+pub mod library;
 pub mod results;
 
 use std::collections::BTreeMap;
@@ -49,11 +50,14 @@ pub enum StylesError {
     },
 }
 
-/// Reads a file of components.
+/// Reads a file of components, or finds a style that ships by its name ([`library`]); a file of that name goes first.
 ///
 /// # Errors
 /// A file that is none, with its path.
 pub fn open(path: &Path) -> Result<StyleSet, StylesError> {
+    if let Some(shipped) = path.to_str().and_then(library::shipped).filter(|_| !path.exists()) {
+        return shipped.set();
+    }
     style_file::open(path).map_err(|source| StylesError::File { path: path.into(), source })
 }
 

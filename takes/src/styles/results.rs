@@ -6,7 +6,7 @@ use edits::style::StyleSet;
 use formats::bvh::{self, WriteOptions};
 use formats::style_file;
 
-use super::figures::{activation_plot, contact_sheet, side_by_side};
+use super::figures::{BODY_HEIGHT, activation_plot, contact_sheet, side_by_side};
 use crate::results::folder::{Earlier, Folder, Plan};
 use crate::results::write::save_figure;
 use crate::{Take, WriteError};
@@ -44,9 +44,9 @@ pub fn write(
     folder.write(&file_name(set), &style_file::bytes(set))?;
     let [a, b] = &set.names;
     let title = format!("Independent components of {a} and {b}");
-    save_figure(&mut folder.top(), "components", &contact_sheet(take, set, &title))?;
+    save_figure(&mut folder.top(), "components", &contact_sheet(take, set, &title, BODY_HEIGHT))?;
     let title = format!("Principal components of {a} and {b}, beside which the independent ones stand");
-    save_figure(&mut folder.top(), "principal", &contact_sheet(take, principal, &title))?;
+    save_figure(&mut folder.top(), "principal", &contact_sheet(take, principal, &title, BODY_HEIGHT))?;
     save_figure(&mut folder.top(), "activations", &activation_plot(set))?;
     folder.commit()?;
     Ok(dir.join(file_name(set)))
