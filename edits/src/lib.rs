@@ -21,6 +21,9 @@
 //! | [`extent_shoulder`] | how far the arms are from the body |
 //! | [`extent_reach`] | how far the hands are from the shoulders |
 //! | [`tension`] | how stiff the muscles are |
+//! | [`on_fit`] | an edit of tracks on a clip, through elements fitted to it |
+//! | [`fit_place`] | where it acts there |
+//! | `feet` | feet that stand where they stood |
 //! | [`warp`] | a clip retimed by anchors |
 //! | [`by_example`] | an edit learned from a few edited seconds |
 //! | [`pose_delta`] | one pose corrected and blended, or a block of them |
@@ -63,7 +66,10 @@ pub mod clip_motion;
 pub mod error;
 pub mod extent_reach;
 pub mod extent_shoulder;
+mod feet;
+pub mod fit_place;
 pub mod log;
+pub mod on_fit;
 pub mod param;
 pub mod place;
 pub mod pose_delta;
@@ -85,7 +91,9 @@ pub use clip_motion::{Edited, Motion};
 pub use error::EditError;
 pub use extent_reach::ExtentReach;
 pub use extent_shoulder::ExtentShoulder;
+pub use fit_place::FitPlace;
 pub use log::{Conflict, EditLog, Field};
+pub use on_fit::OnFit;
 pub use param::Parameter;
 pub use place::{ClipPlace, Where};
 pub use pose_delta::{PoseChange, PoseDelta};
