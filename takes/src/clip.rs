@@ -21,8 +21,8 @@ use motion::stance::Stance;
 use motion::{Clip, Contact, ContactPlan, Floor, Kinematics, TimeMap};
 use scenes::StripSpec;
 use scenes::library::{self, Kind};
-use scenes::scene::Scene;
-use scenes::{ConditionsSpec, TuneSpec, character_file};
+use scenes::scene::{self, Scene, SceneEdit};
+use scenes::{ConditionsSpec, SceneError, Source as Text, TuneSpec, character_file};
 
 use crate::clip_edits::{self, Clips};
 use crate::conditions::begin_in_time;
@@ -169,7 +169,7 @@ pub(crate) fn take(
     scene: Option<&Scene>,
     ask: &Ask,
 ) -> Result<Take, TakeError> {
-    let ClipInput { name, shown, clip: mut source, import, body, guess, map, files } = input;
+    let ClipInput { name, shown, clip: mut source, import, body, guess, map, mut files } = input;
     if scene.is_none() {
         ask.overrides.apply(&mut spec.physics, &body.character);
         if let Some(engine) = &ask.engine {
@@ -182,12 +182,19 @@ pub(crate) fn take(
     let mut log = EditLog::default();
     let mut times = TimeMap::identity();
     let mut clip = unedited.clone();
-    if let Some(scene) = scene.filter(|_| !ask.no_edits) {
+    let mut dense = Dense::default();
+    let asked = edits_asked(&ask.edits, character)?;
+    files.extend(asked.iter().filter_map(|(_, e)| e.kind.file().cloned()));
+    let of_scene = scene.iter().flat_map(|s| s.edits.iter().map(|e| (&s.source, e)));
+    let edits: Vec<(&Text, &SceneEdit)> = of_scene.chain(asked.iter().map(|(text, e)| (text, e))).collect();
+    if !ask.no_edits && !edits.is_empty() {
         // every step, also those that no standing span has
         let (contacts, _) = footing::of(character, &unedited);
         let floor_m = Some(stance(character, &unedited).ground_m);
         let motion = Motion { contacts, floor_m, ..Motion::of(given) };
-        let Clips { motion, changed } = clip_edits::apply(scene, motion, &mut log)?;
+        let clips = clip_edits::apply_all(edits, motion, spec.physics.root, &mut log)?;
+        dense = clips.tense();
+        let Clips { motion, changed, .. } = clips;
         if changed {
             times = motion.times;
             (clip, clamped, limited) = within_limits(motion.clip);
@@ -209,7 +216,7 @@ pub(crate) fn take(
             contacts: contacts(character, &stance, clip.rate_hz),
             clip,
             tracks: None,
-            dense: Dense::default(),
+            dense,
             plants: Vec::new(),
             stance: Some(stance),
             times,
@@ -242,6 +249,20 @@ pub(crate) fn take(
         None => take,
     };
     stand_throughout(take, &shown)
+}
+
+/// The edits asked for beside the file, each a text of its own; the files they name are relative to the working folder.
+///
+/// # Errors
+/// Texts that are no edit, at their place.
+fn edits_asked(texts: &[String], character: &Character) -> Result<Vec<(Text, SceneEdit)>, SceneError> {
+    let read = |(i, text): (usize, &String)| {
+        let name = if texts.len() == 1 { "--edit".to_owned() } else { format!("--edit ({})", i + 1) };
+        let text = Text::new(name, text.clone());
+        let edit = scene::edit_of_clip(&text, character)?;
+        Ok((text, edit))
+    };
+    texts.iter().enumerate().map(read).collect()
 }
 
 /// Frames of a span of time.

@@ -102,7 +102,7 @@ pub(crate) fn take(scene: &Scene, script: &ScriptSpec, ask: &Ask) -> Result<Take
     let (asked, tracks) = if ask.no_edits {
         log = EditLog::default();
         let motion = Motion { contacts, ..Motion::of(plain.sample(rate_hz)) };
-        (Clips { motion, changed: false }, plain)
+        (Clips { motion, changed: false, tension: Vec::new() }, plain)
     } else {
         let motion = Motion {
             contacts,

@@ -65,10 +65,11 @@ pub(crate) fn take(
     let contacts = plan(&done.phases);
     let mut log = EditLog::default();
     let (mut clip, mut contacts, mut times, mut clamped) = (done.clip, contacts, TimeMap::identity(), 0.0);
-    let mut limited = Vec::new();
+    let (mut limited, mut dense) = (Vec::new(), Dense::default());
     if !ask.no_edits {
         let motion = Motion { contacts: contacts.clone(), floor_m: Some(0.0), ..Motion::of(clip.clone()) };
         let edited = clip_edits::apply(scene, motion, &mut log)?;
+        dense = edited.tense();
         if edited.changed {
             contacts = edited.motion.contacts;
             times = edited.motion.times;
@@ -89,7 +90,7 @@ pub(crate) fn take(
         asked: Asked {
             clip,
             tracks: None,
-            dense: Dense::default(),
+            dense,
             plants: Vec::new(),
             contacts,
             stance: None,
