@@ -19,6 +19,7 @@
 //! | [`plant`] | feet that stay where they stand |
 //! | [`shape`] | capsules, boxes, balls |
 //! | [`mod@file`] | reading a file within a limit |
+//! | [`mod@fit`] | a clip as transition elements; its few key poses |
 //! | [`fk`] | forward kinematics |
 //! | [`mod@glitch`] | joints that jump as no muscle could make them |
 //! | [`ik`] | two-bone limbs to a target, whole bodies to many, posing by dragging; axes of joints |
