@@ -164,6 +164,9 @@ pub struct RenderArgs {
     /// Leave out the edits of the scene
     #[arg(long)]
     pub no_edits: bool,
+    /// Edit a clip first, in the words of a scene: 'Succession(offset_s: 0.08)'; may be given several times
+    #[arg(long, value_name = "EDIT", conflicts_with = "no_edits")]
+    pub edit: Vec<String>,
     /// Write the motion asked for, without physics
     #[arg(long)]
     pub kinematic: bool,
@@ -196,6 +199,7 @@ Examples:
   contrapposto render scenes/bow.ron --fidelity 0.3
   contrapposto render scenes/bow.ron --pareto
   contrapposto render scenes/bow.ron --without ankle --past-fall
+  contrapposto render walk.bvh --edit 'Succession(offset_s: 0.08)' --edit 'Tension(parts: [\"arm_r\"], factor: 0.5)'
   contrapposto render gestures.bvh --root free
   contrapposto render gestures.bvh --root free --span 2.5..7
   contrapposto render walk.bvh --units 0.01 --up y --tension 4
@@ -238,6 +242,7 @@ impl RenderArgs {
             engine: self.physics.engine.clone(),
             body: self.body.clone(),
             import: self.clip.import(),
+            edits: self.edit.clone(),
             no_edits: self.no_edits,
         })
     }
@@ -428,7 +433,7 @@ pub struct ConvertArgs {
     /// Clip (.bvh), scene or character (.ron, or a name of the library), or, to write a body, physics model (MJCF .xml, .urdf)
     #[arg(value_name = "IN")]
     pub input: PathBuf,
-    /// File to write: .bvh, .glb, or .xml for the body as MJCF
+    /// File to write: .bvh, .glb, .xml for the body as MJCF, or .ron with --blocking
     #[arg(value_name = "OUT")]
     pub output: PathBuf,
     /// Frames per second to resample to [default: the input's]
@@ -440,6 +445,12 @@ pub struct ConvertArgs {
     /// Leave out and list what a physics model has and rigid-body dynamics has not, instead of refusing it
     #[arg(long)]
     pub dynamics_only: bool,
+    /// Edit a clip first, in the words of a scene: 'Amplitude(factor: 0.5)'; may be given several times
+    #[arg(long, value_name = "EDIT")]
+    pub edit: Vec<String>,
+    /// Write the key poses of a clip, no more than four a second, as a scene (.ron) to go on with, and its character beside it
+    #[arg(long)]
+    pub blocking: bool,
     /// Replace OUT if it exists
     #[arg(long)]
     pub force: bool,
@@ -453,6 +464,8 @@ Examples:
   contrapposto convert walk.bvh walk.glb
   contrapposto convert walk.bvh walk-30.bvh --rate 30 --out-units 0.01
   contrapposto convert z-up.bvh y-up.bvh --up z --drop-t-pose
+  contrapposto convert walk.bvh calm.bvh --edit 'Amplitude(factor: 0.5, parts: [\"arm_l\", \"arm_r\"])'
+  contrapposto convert walk.bvh walk.ron --blocking
   contrapposto convert scenes/bow.ron bow.glb
   contrapposto convert scenes/characters/human.ron human.xml
 

@@ -5,8 +5,8 @@ use std::path::PathBuf;
 use formats::glb;
 use formats::table::{ClipOut, endings};
 use motion::Clip;
-use takes::Ask;
 use takes::results::folder::{check_file, write_file};
+use takes::{Ask, Take};
 
 use crate::args::ConvertArgs;
 use crate::failure::Failure;
@@ -17,6 +17,9 @@ use crate::output;
 /// # Errors
 /// Bad input, a file that cannot be written.
 pub fn run(args: &ConvertArgs) -> Result<(), Failure> {
+    if args.blocking {
+        return blocking(args);
+    }
     let format = formats::format_of(&args.output);
     if format.is_some_and(|format| format.writes_body) {
         return body(args);
@@ -41,7 +44,21 @@ pub fn run(args: &ConvertArgs) -> Result<(), Failure> {
     let mut text = String::new();
     let mut reads = vec![args.input.clone()];
     check(args, &reads)?;
-    let (clip, solids, colors, unit) = if formats::table::is_clip(&args.input) {
+    let is_clip = formats::table::is_clip(&args.input);
+    if !args.edit.is_empty() && !is_clip {
+        let path = args.input.display();
+        return Err(Failure::Input(format!(
+            "--edit is for clips (.bvh); {path} is none, a scene has its own `edits`"
+        )));
+    }
+    let (clip, solids, colors, unit) = if is_clip && !args.edit.is_empty() {
+        let take = takes::open(args.input.as_path(), &ask(args))?;
+        reads.extend(take.files.iter().cloned());
+        text += &edits_said(&take);
+        let clip = take.for_files(&take.asked.clip);
+        let solids = glb::bones(&clip.skeleton);
+        (clip, solids, Vec::new(), take.metres_per_unit())
+    } else if is_clip {
         let read = formats::open_clip(&args.input, &args.clip.import());
         let (clip, report) = read.map_err(Failure::input)?;
         text += &format!("{report}\n");
@@ -68,9 +85,67 @@ pub fn run(args: &ConvertArgs) -> Result<(), Failure> {
     output::print(&text)
 }
 
+/// What is asked beside the file.
+fn ask(args: &ConvertArgs) -> Ask {
+    Ask { import: args.clip.import(), edits: args.edit.clone(), ..Ask::default() }
+}
+
+/// What the edits of a take changed, a line each.
+fn edits_said(take: &Take) -> String {
+    take.log.clip_lines().iter().map(|line| format!("{line}\n")).collect()
+}
+
+/// The key poses of a clip as a scene, with its character beside it.
+fn blocking(args: &ConvertArgs) -> Result<(), Failure> {
+    let (from, to) = (args.input.display(), args.output.display());
+    if !takes::is_ron(&args.output) {
+        return Err(Failure::Input(format!("--blocking writes a scene; {to} is none; allowed: .ron")));
+    }
+    if !formats::table::is_clip(&args.input) {
+        return Err(Failure::Input(format!("--blocking is for clips (.bvh); {from} is none")));
+    }
+    let given = [
+        ("--rate", args.rate.is_some()),
+        ("--out-units", args.out_units.is_some()),
+        ("--dynamics-only", args.dynamics_only),
+    ];
+    if let Some((option, _)) = given.iter().find(|(_, given)| *given) {
+        return Err(Failure::Input(format!("{option} does nothing with --blocking")));
+    }
+    let stem = args.output.file_stem().unwrap_or_default().to_string_lossy();
+    let character = args.output.with_file_name(format!("{stem}-character.ron"));
+    let reads = [args.input.clone()];
+    let overwrite = output::overwrite(args.force);
+    for path in [&character, &args.output] {
+        check_file(path, overwrite, &reads)?;
+    }
+    let take = takes::open(args.input.as_path(), &ask(args))?;
+    let name = character.file_name().unwrap_or_default().to_string_lossy();
+    let source = args.input.file_name().unwrap_or_default().to_string_lossy();
+    let made = takes::blocking::block(&take, &name, &source).map_err(Failure::run)?;
+    for (path, text) in [(&character, &made.character), (&args.output, &made.scene)] {
+        write_file(path, text.as_bytes(), overwrite, &take.files)?;
+    }
+    output::print(&format!(
+        "{}read {from}: {}\nwrote {to}: {} key poses in {:.2} s ({:.1} a second), joints {:.1}\u{b0} RMS and links {:.0} mm RMS from the clip\nwrote {}: its character\ngo on with: contrapposto render {to} --kinematic\n",
+        edits_said(&take),
+        describe(&take.asked.clip),
+        made.poses,
+        made.duration_s,
+        (made.poses - 1) as f64 / made.duration_s,
+        made.rms_deg,
+        made.rms_mm,
+        character.display(),
+    ))
+}
+
 /// The body of a file as MJCF.
 fn body(args: &ConvertArgs) -> Result<(), Failure> {
-    for (option, given) in [("--rate", args.rate.is_some()), ("--out-units", args.out_units.is_some())] {
+    for (option, given) in [
+        ("--rate", args.rate.is_some()),
+        ("--out-units", args.out_units.is_some()),
+        ("--edit", !args.edit.is_empty()),
+    ] {
         if given {
             return Err(Failure::Input(format!("{option} is for motion; an .xml holds a body")));
         }

@@ -53,11 +53,12 @@ fn check(args: &RenderArgs) -> Result<(), Failure> {
     }
     let option = args.clip.given().or(args.body.as_ref().map(|_| "--body"));
     let option = option.or(args.span.map(|_| "--span"));
+    let option = option.or((!args.edit.is_empty()).then_some("--edit"));
     match option.filter(|_| is_scene) {
         Some(option) => {
             let path = args.input.display();
             Err(Failure::Input(format!(
-                "{option} is for clips (.bvh); {path} is a scene, which names its own body and is performed whole"
+                "{option} is for clips (.bvh); {path} is a scene, which names its own body and edits and is performed whole"
             )))
         }
         None => Ok(()),

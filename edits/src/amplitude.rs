@@ -21,12 +21,16 @@
 //! Rotations: the same with slerp, extrapolating for `a > 1`; the mean is the slerp half-way.
 //! Values are kept within joint limits, or as far outside as they were before.
 //!
+//! *On a fit* ([`crate::on_fit`]) keys are dense, so that a value lies near the average of its neighbours and would
+//! hardly move: without a reference `r` is each DOF's mean over the span.
+//!
 //! NF03: Neff, Fiume. Aesthetic edits for character animation. SCA 2003.
 
 use motion::names::Word;
 use motion::{Tracks, Value};
 
-use crate::param::PoseOrder;
+use crate::fit_place::FitPlace;
+use crate::param::{Instant, PoseOrder};
 use crate::poses::{selected, within_limits};
 use crate::{EditError, EditLog, Parameter, Selection, TrackEdit};
 
@@ -125,6 +129,31 @@ impl TrackEdit for Amplitude {
                     if cut {
                         log.clamp(&e.label);
                     }
+                }
+            }
+        }
+        Ok(())
+    }
+
+    fn change_fit(&self, tracks: &mut Tracks, place: &FitPlace, log: &mut EditLog) -> Result<(), EditError> {
+        self.factor.of_time(self.name(), "factor")?;
+        if self.reference.is_some() {
+            return self.change(tracks, &place.selection, log);
+        }
+        self.factor.check(self.name(), "factor", 0, "above 0", |x| x > 0.0)?;
+        let skeleton = tracks.skeleton.clone();
+        for track in &mut tracks.tracks {
+            let Some(mean) = place.mean(&skeleton, track) else { continue };
+            for e in track.elements.iter_mut().filter(|e| place.selection.contains(&e.label)) {
+                // a key says where its element arrives
+                let a = self.factor.at(&Instant { time_s: e.arrives_s(), repetition: 0, pose: 0 });
+                if a == 1.0 {
+                    continue;
+                }
+                let (value, cut) = within_limits(&skeleton, track.dof, &e.end, &about(&mean, &e.end, a));
+                e.end = value;
+                if cut {
+                    log.clamp(&e.label);
                 }
             }
         }

@@ -1,5 +1,6 @@
 //! What can be wrong with an edit, in words an animator can act on.
 
+use motion::fit::FitError;
 use motion::ik::IkError;
 use motion::ik::pose::PoseError;
 use motion::names::nearest;
@@ -270,6 +271,38 @@ pub enum EditError {
         edit: &'static str,
         /// What is wrong with it.
         what: String,
+    },
+    /// A value for each pose or repetition of a motion that has neither.
+    #[error(
+        "{edit}: `{what}` has a value for each pose or repetition, and a fitted clip has neither; allowed: a number, or (over_time_s: [(t, x), …])"
+    )]
+    NoPoses {
+        /// The edit.
+        edit: &'static str,
+        /// The parameter.
+        what: &'static str,
+    },
+    /// An edit that has nothing to do with shape.
+    #[error("{edit}: changes no pose, so that it cannot act on a fit")]
+    NotOfFits {
+        /// The edit.
+        edit: &'static str,
+    },
+    /// A place in which a fit has nothing to change.
+    #[error("{edit}: nothing to change: {what}")]
+    NothingFitted {
+        /// The edit.
+        edit: &'static str,
+        /// Why.
+        what: String,
+    },
+    /// A clip that cannot be fitted.
+    #[error("{edit}: {source}")]
+    Fit {
+        /// The edit.
+        edit: &'static str,
+        /// What is wrong.
+        source: FitError,
     },
     /// A limb that cannot be solved.
     #[error(transparent)]

@@ -14,12 +14,15 @@
 //! The direction is kept even where that takes the shoulder past its limits, which are not enforced here;
 //! those of the elbow are, so an elbow that is a limited ball may fall short of the distance.
 //!
+//! *On a fit* ([`crate::on_fit`]) `d̄` is the mean over time.
+//!
 //! A change of less than 1e-8 m counts as none: near full stretch the elbow bends with the square root of
 //! the distance, and ten nanometres would be 0.4 mrad. With curves, `s` is read at each pose.
 
 use motion::ik::{Reach, reach_range, solve_two_bone};
 use motion::{Dof, Element, Kinematics, Limb, LimbKind, Tracks};
 
+use crate::fit_place::FitPlace;
 use crate::param::PoseOrder;
 use crate::poses::{PoseGroup, groups, selected, within_limits};
 use crate::{EditError, EditLog, Parameter, Selection, TrackEdit};
@@ -57,6 +60,24 @@ impl TrackEdit for ExtentReach {
     }
 
     fn change(&self, tracks: &mut Tracks, selection: &Selection, log: &mut EditLog) -> Result<(), EditError> {
+        self.reach(tracks, selection, None, log)
+    }
+
+    fn change_fit(&self, tracks: &mut Tracks, place: &FitPlace, log: &mut EditLog) -> Result<(), EditError> {
+        self.factor.of_time(self.name(), "factor")?;
+        self.reach(tracks, &place.selection, Some(place), log)
+    }
+}
+
+impl ExtentReach {
+    /// Changes the poses selected; on a fit `d̄` is the mean over the time of `place`, since its keys are denser here than there.
+    fn reach(
+        &self,
+        tracks: &mut Tracks,
+        selection: &Selection,
+        place: Option<&FitPlace>,
+        log: &mut EditLog,
+    ) -> Result<(), EditError> {
         let order = PoseOrder::new(selected(tracks, selection));
         self.factor.check(self.name(), "factor", order.len(), "above 0", |x| x > 0.0)?;
         let skeleton = tracks.skeleton.clone();
@@ -64,7 +85,10 @@ impl TrackEdit for ExtentReach {
         let poses = groups(&before, selection);
         for limb in skeleton.limbs().iter().filter(|l| l.kind == LimbKind::Arm) {
             let hands = hands(&before, selection, &poses, limb, log);
-            let mean = hands.iter().map(|h| h.distance_m).sum::<f64>() / hands.len().max(1) as f64;
+            let mean = match place {
+                Some(place) => place.mean_of(&before, |k| (k.origin(limb.end) - k.origin(limb.upper)).norm()),
+                None => hands.iter().map(|h| h.distance_m).sum::<f64>() / hands.len().max(1) as f64,
+            };
             for hand in hands {
                 let s = self.factor.at(&order.instant(&hand.model.label, hand.model.start_s));
                 // s d̄ + (dᵢ − d̄)

@@ -15,6 +15,7 @@ use std::collections::BTreeMap;
 use motion::rotation::{between, slerp};
 use motion::{Dof, Joint, Kinematics, Limb, LimbKind, Quat, Skeleton, Tracks, Value, Vec3};
 
+use crate::fit_place::FitPlace;
 use crate::param::PoseOrder;
 use crate::poses::{groups, selected, within_limits};
 use crate::{EditError, EditLog, Parameter, Selection, TrackEdit};
@@ -107,5 +108,10 @@ impl TrackEdit for ExtentShoulder {
             }
         }
         Ok(())
+    }
+
+    fn change_fit(&self, tracks: &mut Tracks, place: &FitPlace, log: &mut EditLog) -> Result<(), EditError> {
+        self.extent.of_time(self.name(), "extent")?;
+        self.change(tracks, &place.selection, log)
     }
 }

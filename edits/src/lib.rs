@@ -21,6 +21,9 @@
 //! | [`extent_shoulder`] | how far the arms are from the body |
 //! | [`extent_reach`] | how far the hands are from the shoulders |
 //! | [`tension`] | how stiff the muscles are |
+//! | [`on_fit`] | an edit of tracks on a clip, through elements fitted to it |
+//! | [`fit_place`] | where it acts there |
+//! | `feet` | feet that stand where they stood |
 //! | [`warp`] | a clip retimed by anchors |
 //! | [`by_example`] | an edit learned from a few edited seconds |
 //! | [`pin`] | points held in the world, on a link, or where they were, by whole-body IK |
@@ -64,7 +67,10 @@ pub mod clip_motion;
 pub mod error;
 pub mod extent_reach;
 pub mod extent_shoulder;
+mod feet;
+pub mod fit_place;
 pub mod log;
+pub mod on_fit;
 pub mod param;
 pub mod pin;
 pub mod place;
@@ -87,7 +93,9 @@ pub use clip_motion::{Edited, Motion};
 pub use error::EditError;
 pub use extent_reach::ExtentReach;
 pub use extent_shoulder::ExtentShoulder;
+pub use fit_place::FitPlace;
 pub use log::{Conflict, EditLog, Field};
+pub use on_fit::OnFit;
 pub use param::Parameter;
 pub use pin::{Pin, PinAt, Pins};
 pub use place::{ClipPlace, Where};

@@ -166,6 +166,11 @@ impl EditLog {
         self.notes.push((self.current(), text.into()));
     }
 
+    /// For edits: several remarks.
+    pub(crate) fn note_all(&mut self, texts: impl IntoIterator<Item = String>) {
+        texts.into_iter().for_each(|text| self.note(text));
+    }
+
     /// Index of the edit begun last.
     pub(crate) fn current(&self) -> usize {
         self.edits.len().saturating_sub(1)

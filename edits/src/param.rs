@@ -50,6 +50,17 @@ impl Parameter {
         }
     }
 
+    /// Refuses what counts poses or repetitions, which a fitted clip does not have.
+    ///
+    /// # Errors
+    /// [`EditError::NoPoses`].
+    pub fn of_time(&self, edit: &'static str, what: &'static str) -> Result<(), EditError> {
+        match self {
+            Self::Constant(_) | Self::OverTime(_) => Ok(()),
+            Self::PerPose(_) | Self::OverRepetition(_) => Err(EditError::NoPoses { edit, what }),
+        }
+    }
+
     /// Checks the shape, and every value with `good`.
     ///
     /// # Errors

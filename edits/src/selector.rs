@@ -75,6 +75,18 @@ pub struct Selection {
 }
 
 impl Selection {
+    /// The elements of some DOFs of tracks that nobody wrote, which `at` says by their element.
+    pub(crate) fn of_fit(
+        tracks: &Tracks,
+        dofs: BTreeSet<Dof>,
+        parts_named: bool,
+        at: impl Fn(&Element) -> bool,
+    ) -> Self {
+        let elements = tracks.elements().filter(|(dof, e)| dofs.contains(dof) && at(e));
+        let labels = elements.map(|(_, e)| e.label.clone()).collect();
+        Self { labels, dofs, whole_script: false, parts_named }
+    }
+
     /// The labels selected, in order.
     pub fn labels(&self) -> impl Iterator<Item = &Label> {
         self.labels.iter()

@@ -16,15 +16,21 @@
 //! if that is not enough the earlier transition is superseded. An element never starts after its
 //! successor: a shift that would do that ends at the successor's start.
 //!
+//! *On a fit* ([`crate::on_fit`]) there are no poses that start together: depth is counted once, over all joints that
+//! move in the span, and every key of a joint comes later by it. Captured motion is in motion where the span begins, so
+//! lateness grows from there, and wanes before the end of a span after which the clip goes on.
+//!
 //! Offsets may be a list over the poses (0.2 s, then 0.3 s) or a curve. Negative offsets are refused: that is
 //! what the direction is for.
 
 use std::collections::{BTreeMap, BTreeSet};
 
+use motion::fit::lasting;
 use motion::names::Word;
-use motion::{Joint, Label, Skeleton, Tracks};
+use motion::{Dof, Joint, Label, Skeleton, Track, Tracks, smoothstep};
 
-use crate::param::PoseOrder;
+use crate::fit_place::FitPlace;
+use crate::param::{Instant, PoseOrder};
 use crate::poses::{PoseGroup, groups, selected};
 use crate::{EditError, EditLog, Parameter, Selection, TrackEdit};
 
@@ -185,4 +191,65 @@ impl TrackEdit for Succession {
         }
         Ok(())
     }
+
+    fn change_fit(&self, tracks: &mut Tracks, place: &FitPlace, log: &mut EditLog) -> Result<(), EditError> {
+        self.offset_s.of_time(self.name(), "offset_s")?;
+        self.offset_s.check(self.name(), "offset_s", 0, "0 s or more", |x| x >= 0.0)?;
+        let moves = moving(tracks);
+        let links = tracks.skeleton.links().len();
+        let (mut moved, mut least) = (vec![false; links], usize::MAX);
+        let selected: Vec<(Dof, &Label)> = tracks
+            .elements()
+            .map(|(dof, e)| (dof, &e.label))
+            .filter(|(_, label)| place.selection.contains(label))
+            .collect();
+        for (dof, label) in &selected {
+            moved[dof.link()] |= moves.contains(label);
+        }
+        let rank = ranks(&tracks.skeleton, &moved, self.direction);
+        for (dof, _) in &selected {
+            least = least.min(rank[dof.link()]);
+        }
+        for track in &mut tracks.tracks {
+            let steps = rank[track.dof.link()].saturating_sub(least);
+            if steps == 0 || !place.selection.allows(track.dof) {
+                continue;
+            }
+            if late(track, place, &self.offset_s, steps) {
+                let name = track.dof.name(&tracks.skeleton);
+                log.note(format!("{name}: the span is too short for it to come as late as asked"));
+            }
+        }
+        Ok(())
+    }
+}
+
+/// Lateness comes over this many times itself: meanwhile a joint is 1/(1 + 1.5/2.5) = 0.6 times as fast, at the least.
+const COMES: f64 = 2.5;
+/// It goes over this many times itself: a joint is 1/(1 − 1.5/4) = 1.6 times as fast, at the most.
+const GOES: f64 = 4.0;
+
+/// Delays the keys of a fitted track by `steps` offsets, smoothly from the beginning of the span on and, where the clip goes on after
+/// it, back before its end; says whether the span is too short for that.
+fn late(track: &mut Track, place: &FitPlace, offset_s: &Parameter, steps: usize) -> bool {
+    let asked = |t: f64| offset_s.at(&Instant { time_s: t, repetition: 0, pose: 0 }) * steps as f64;
+    let most = track.elements.iter().map(|e| asked(e.arrives_s())).fold(0.0, f64::max);
+    if most == 0.0 {
+        return false;
+    }
+    let (comes_s, goes_s) = (COMES * most, GOES * most);
+    let goes_on = place.to_s < place.end_s;
+    let shifted = |t: f64| {
+        let after = if goes_on { smoothstep((place.to_s - t) / goes_s) } else { 1.0 };
+        t + asked(t) * smoothstep((t - place.from_s) / comes_s) * after
+    };
+    let mut before = f64::NEG_INFINITY;
+    for e in &mut track.elements {
+        // keys keep their order, however the offset changes over time
+        let start = shifted(e.start_s).max(before);
+        let end = shifted(e.arrives_s()).max(start);
+        (e.start_s, e.duration_s) = (start, lasting(start, end));
+        before = end;
+    }
+    comes_s + if goes_on { goes_s } else { 0.0 } > place.to_s - place.from_s
 }

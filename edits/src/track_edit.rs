@@ -8,6 +8,7 @@
 
 use motion::{Track, Tracks};
 
+use crate::fit_place::FitPlace;
 use crate::{EditError, EditLog, Selection};
 
 /// A movement-property edit of tracks. See the module header.
@@ -23,6 +24,15 @@ pub trait TrackEdit {
     /// # Errors
     /// Bad parameters, bodies the edit does not fit.
     fn change(&self, tracks: &mut Tracks, selection: &Selection, log: &mut EditLog) -> Result<(), EditError>;
+
+    /// Changes the tracks that a clip was fitted by, see [`crate::on_fit`]; called by [`crate::OnFit`]. Keys of a fit are
+    /// dense and are nobody's poses: an edit that thinks in poses says here what it means for them. By default it acts as on a script.
+    ///
+    /// # Errors
+    /// As [`TrackEdit::change`]; edits and parameters that mean nothing on a fit.
+    fn change_fit(&self, tracks: &mut Tracks, place: &FitPlace, log: &mut EditLog) -> Result<(), EditError> {
+        self.change(tracks, &place.selection, log)
+    }
 
     /// Applies the edit to the elements selected: the tracks lengthen if need be, the log learns every
     /// change.
@@ -47,7 +57,7 @@ pub trait TrackEdit {
 }
 
 /// Refuses numbers that are not finite and lengths that are negative.
-fn check(edit: &'static str, tracks: &Tracks) -> Result<(), EditError> {
+pub(crate) fn check(edit: &'static str, tracks: &Tracks) -> Result<(), EditError> {
     for (_, e) in tracks.elements() {
         let numbers = [e.start_s, e.duration_s, e.hold_s, e.tension];
         let finite = e.end.is_valid() && numbers.iter().all(|x| x.is_finite());

@@ -7,7 +7,7 @@
 //! Names: the link's name for its joint value or rotation (`elbow_r`, `pelvis`), and `pelvis_x`,
 //! `pelvis_y`, `pelvis_z` for the coordinates of a free link, m. A link of such a name wins.
 
-use crate::rotation::{Quat, slerp};
+use crate::rotation::{Quat, Vec3, exp, log, slerp};
 use crate::skeleton::{Joint, Skeleton, quat_at};
 
 /// One degree of freedom of a skeleton; the number is the link's index.
@@ -53,8 +53,33 @@ impl Value {
     pub fn distance(&self, other: &Value) -> f64 {
         match (self, other) {
             (Value::Scalar(a), Value::Scalar(b)) => (a - b).abs(),
-            (Value::Rotation(a), Value::Rotation(b)) => crate::rotation::log(&(b * a.inverse())).norm(),
+            (Value::Rotation(a), Value::Rotation(b)) => log(&(b * a.inverse())).norm(),
             _ => f64::INFINITY,
+        }
+    }
+
+    /// The mean: of scalars the arithmetic one, of rotations the one whose squared angles to all sum up least (Karcher), found
+    /// from the middle one. `None` of nothing, or of values of different kinds.
+    pub fn mean(values: &[Value]) -> Option<Value> {
+        let n = values.len() as f64;
+        match values.get(values.len() / 2)? {
+            Value::Scalar(_) => {
+                let all: Option<Vec<f64>> = values.iter().map(Value::scalar).collect();
+                Some(Value::Scalar(all?.iter().sum::<f64>() / n))
+            }
+            Value::Rotation(middle) => {
+                let all: Option<Vec<Quat>> = values.iter().map(Value::rotation).collect();
+                let (all, mut mean) = (all?, *middle);
+                // converges by the square of the spread: a few steps for joints
+                for _ in 0..50 {
+                    let step = all.iter().map(|q| log(&(q * mean.inverse()))).sum::<Vec3>() / n;
+                    mean = exp(&step) * mean;
+                    if step.norm() < 1e-12 {
+                        break;
+                    }
+                }
+                Some(Value::Rotation(mean))
+            }
         }
     }
 

@@ -19,6 +19,7 @@
 //! | [`plant`] | feet that stay where they stand |
 //! | [`shape`] | capsules, boxes, balls |
 //! | [`mod@file`] | reading a file within a limit |
+//! | [`mod@fit`] | a clip as transition elements; its few key poses |
 //! | [`fk`] | forward kinematics |
 //! | [`mod@glitch`] | joints that jump as no muscle could make them |
 //! | [`ik`] | two-bone limbs to a target, whole bodies to many, posing by dragging; axes of joints |
@@ -40,6 +41,7 @@ pub mod curve;
 pub mod derivatives;
 pub mod dof;
 pub mod file;
+pub mod fit;
 pub mod fk;
 pub mod floor;
 pub mod glitch;
@@ -67,6 +69,7 @@ pub use contact_plan::{Contact, ContactPlan};
 pub use curve::{Curve, CurveName, smoothstep};
 pub use derivatives::Derivatives;
 pub use dof::{Dof, Value};
+pub use fit::{Fit, FitReport, Tolerance};
 pub use fk::Kinematics;
 pub use floor::{Floor, Tilt};
 pub use plant::{Knee, Plant};

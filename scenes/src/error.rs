@@ -153,7 +153,8 @@ impl Source {
 
     /// An error at the value with this path, see [`SourceMap`].
     pub fn error(&self, at: &str, message: impl Into<String>) -> SceneError {
-        let place = line_column(&self.text, self.map.offset(at));
+        // a field of a text that is one value alone has no path before it
+        let place = line_column(&self.text, self.map.offset(at.trim_start_matches('.')));
         SceneError {
             path: self.path.clone(),
             place: Some(place),

@@ -258,8 +258,16 @@ fn scenes_are_refused_with_words() {
         ),
         (format!("{}, edits: [Tension(on: \"a\")]", pose("set_deg: { \"elbow_r\": 4 }")), "either `factor` or `absolute`"),
         (
-            format!("{}, edits: [Warp(times_s: [(0, 0), (1, 2)]), Amplitude(on: \"a\", factor: 1)]", pose("set_deg: { \"elbow_r\": 4 }")),
-            "allowed: edits of the script first",
+            format!("{}, edits: [Amplitude(on: \"a\", factor: 1, fit: (deg: 0))]", pose("set_deg: { \"elbow_r\": 4 }")),
+            "`fit` is (deg: 0, mm: 10); allowed: both above 0 and finite",
+        ),
+        (
+            format!("{}, edits: [Amplitude(on: \"a\", factor: 1, fit: (dg: 2))]", pose("set_deg: { \"elbow_r\": 4 }")),
+            "unknown field `dg` of `fit`",
+        ),
+        (
+            format!("{}, edits: [Tension(span_s: (0, 1), factor: 2)]", pose("set_deg: { \"elbow_r\": 4 }")),
+            "the tension of a script is that of its elements",
         ),
         (
             format!("{}, edits: [Pin(point: \"gaze\", at: World(0, 1, 2), from_s: 0, to_s: 1), Warp(times_s: [(0, 0), (1, 2)])]", pose("set_deg: { \"elbow_r\": 4 }")),
@@ -277,7 +285,6 @@ fn scenes_are_refused_with_words() {
             format!("{}, edits: [Amplitude(on: \"a\", factor: \"much\")]", pose("set_deg: { \"elbow_r\": 4 }")),
             "a number, [a, list, over, poses]",
         ),
-        ("motion: Clip(\"characters/human.ron\"), edits: [Amplitude(on: \"a\", factor: 1)]".into(), "changes the poses of a script"),
         ("motion: Clip(\"no-such.bvh\")".into(), "no-such.bvh"),
         ("motion: Retarget(of: \"performances/fear.ron\", size: Fixed(-1))".into(), "the size ratio is -1; allowed: positive numbers"),
         ("patch: \"no-such.ron\"".into(), "no-such.ron"),

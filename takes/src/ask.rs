@@ -56,6 +56,8 @@ pub struct Ask {
     pub body: Option<PathBuf>,
     /// How to read a clip.
     pub import: ImportOptions,
+    /// Edits of a clip, each the text that a scene would have in its list; scenes have their own.
+    pub edits: Vec<String>,
     /// Leave out the edits.
     pub no_edits: bool,
 }

@@ -21,8 +21,8 @@ use motion::stance::Stance;
 use motion::{Clip, Contact, ContactPlan, Floor, Kinematics, TimeMap};
 use scenes::StripSpec;
 use scenes::library::{self, Kind};
-use scenes::scene::Scene;
-use scenes::{ConditionsSpec, SceneError, TuneSpec, character_file};
+use scenes::scene::{self, Scene, SceneEdit};
+use scenes::{ConditionsSpec, SceneError, Source as Text, TuneSpec, character_file};
 
 use crate::clip_edits::{self, Clips};
 use crate::conditions::begin_in_time;
@@ -170,7 +170,7 @@ pub(crate) fn take(
     scene: Option<&Scene>,
     ask: &Ask,
 ) -> Result<Take, TakeError> {
-    let ClipInput { name, shown, clip: mut source, import, body, guess, map, files } = input;
+    let ClipInput { name, shown, clip: mut source, import, body, guess, map, mut files } = input;
     if scene.is_none() {
         ask.overrides.apply(&mut spec.physics, &body.character);
         if let Some(engine) = &ask.engine {
@@ -183,12 +183,20 @@ pub(crate) fn take(
     let mut log = EditLog::default();
     let mut times = TimeMap::identity();
     let mut clip = unedited.clone();
-    if let Some(scene) = scene.filter(|_| !ask.no_edits) {
+    let mut dense = Dense::default();
+    let asked = edits_asked(&ask.edits, character)?;
+    files.extend(asked.iter().filter_map(|(_, e)| e.kind.file().cloned()));
+    let of_scene = scene.iter().flat_map(|s| s.edits.iter().map(|e| (&s.source, e)));
+    let edits: Vec<(&Text, &SceneEdit)> = of_scene.chain(asked.iter().map(|(text, e)| (text, e))).collect();
+    if !ask.no_edits && !edits.is_empty() {
         // every step, also those that no standing span has
         let (contacts, _) = footing::of(character, &unedited);
         let floor_m = Some(stance(character, &unedited).ground_m);
         let motion = Motion { contacts, floor_m, ..Motion::of(given) };
-        let Clips { motion, changed } = clip_edits::apply(scene, motion, &mut log, |_| Ok(None))?;
+        let clips =
+            clip_edits::apply_all(edits.iter().copied(), motion, spec.physics.root, &mut log, |_| Ok(None))?;
+        dense = clips.tense();
+        let Clips { motion, changed, .. } = clips;
         if changed {
             times = motion.times;
             (clip, clamped, limited) = within_limits(motion.clip);
@@ -210,7 +218,7 @@ pub(crate) fn take(
             contacts: contacts(character, &stance, clip.rate_hz),
             clip,
             tracks: None,
-            dense: Dense::default(),
+            dense,
             plants: Vec::new(),
             stance: Some(stance),
             times,
@@ -247,14 +255,14 @@ pub(crate) fn take(
         None => (take, 0.0),
     };
     let mut take = stand_throughout(take, &shown)?;
-    if let Some(scene) = scene.filter(|_| !ask.no_edits) {
-        hold_pins(&mut take, scene, shift_s)?;
+    if !ask.no_edits {
+        hold_pins(&mut take, &edits, shift_s)?;
     }
     Ok(take)
 }
 
-/// Holds the pins of a scene in a take that stands or steps as it will.
-fn hold_pins(take: &mut Take, scene: &Scene, shift_s: f64) -> Result<(), SceneError> {
+/// Holds the pins among edits in a take that stands or steps as it will.
+fn hold_pins(take: &mut Take, edits: &[(&Text, &SceneEdit)], shift_s: f64) -> Result<(), SceneError> {
     let stands = !take.asked.plants.is_empty();
     let (steps, _) = footing::of(&take.body.character, &take.asked.clip);
     let motion = Motion {
@@ -266,12 +274,26 @@ fn hold_pins(take: &mut Take, scene: &Scene, shift_s: f64) -> Result<(), SceneEr
     };
     let again = |clip: &mut Clip| if stands { take.carry(clip) } else { Ok(()) };
     let mut log = take.log.clone();
-    let held = pins::hold(scene, &motion, shift_s, &again, &mut log)?;
+    let held = pins::hold(edits, &motion, shift_s, &again, &mut log)?;
     take.log = log;
     if let Some(clip) = held {
         take.asked.clip = clip;
     }
     Ok(())
+}
+
+/// The edits asked for beside the file, each a text of its own; the files they name are relative to the working folder.
+///
+/// # Errors
+/// Texts that are no edit, at their place.
+fn edits_asked(texts: &[String], character: &Character) -> Result<Vec<(Text, SceneEdit)>, SceneError> {
+    let read = |(i, text): (usize, &String)| {
+        let name = if texts.len() == 1 { "--edit".to_owned() } else { format!("--edit ({})", i + 1) };
+        let text = Text::new(name, text.clone());
+        let edit = scene::edit_of_clip(&text, character)?;
+        Ok((text, edit))
+    };
+    texts.iter().enumerate().map(read).collect()
 }
 
 /// Frames of a span of time.

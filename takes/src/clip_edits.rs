@@ -7,11 +7,13 @@ use std::sync::Arc;
 
 use controllers::plan::dense::BLEND_S;
 use controllers::{Dense, DenseJoint};
+use dynamics::conditions::RootMode;
+use edits::tension::Steps;
 use edits::{ByExample, ClipChange, ClipEdit, EditLog, Motion};
-use motion::{Clip, Dof, Joint, TimeMap, Tracks};
-use scenes::SceneError;
+use motion::{Clip, Dof, Joint, LimbKind, TimeMap, Tracks};
 use scenes::library;
-use scenes::scene::{EditKind, Scene, StoredEdit};
+use scenes::scene::{EditKind, Scene, SceneEdit, StoredEdit};
+use scenes::{SceneError, Source};
 
 /// A motion after the clip edits of its scene.
 pub(crate) struct Clips {
@@ -19,6 +21,16 @@ pub(crate) struct Clips {
     pub motion: Motion,
     /// Whether any edit changed it: what was changed is performed as a dense clip.
     pub changed: bool,
+    /// Tension over time of each link's joint, in the time of the motion; of motions without a script.
+    pub tension: Vec<Steps>,
+}
+
+impl Clips {
+    /// The joints whose tension edits changed, as the pass takes them.
+    pub(crate) fn tense(&self) -> Dense {
+        let joints = self.tension.iter().enumerate().filter(|(_, steps)| !steps.is_empty());
+        Dense { joints: joints.map(|(link, steps)| DenseJoint::throughout(link, steps.clone())).collect() }
+    }
 }
 
 /// Applies the clip edits of a scene; track edits have been applied before. `seen` is what will be seen of a motion, feet planted, where that is
@@ -28,51 +40,79 @@ pub(crate) struct Clips {
 /// Places that the motion does not have, parameters that make no sense: at the edit.
 pub(crate) fn apply(
     scene: &Scene,
+    motion: Motion,
+    log: &mut EditLog,
+    seen: impl Fn(&Motion) -> Result<Option<Clip>, SceneError>,
+) -> Result<Clips, SceneError> {
+    let edits = scene.edits.iter().map(|e| (&scene.source, e));
+    let root = scene.conditions.physics.root;
+    apply_all(edits, motion, root, log, seen)
+}
+
+/// Applies edits, each with the text it stands in, to a motion whose root is held like this.
+///
+/// # Errors
+/// As [`apply`].
+pub(crate) fn apply_all<'a>(
+    edits: impl IntoIterator<Item = (&'a Source, &'a SceneEdit)>,
     mut motion: Motion,
+    root: RootMode,
     log: &mut EditLog,
     seen: impl Fn(&Motion) -> Result<Option<Clip>, SceneError>,
 ) -> Result<Clips, SceneError> {
     let mut changed = false;
-    for e in &scene.edits {
-        let fault = |x: &dyn std::error::Error| scene.source.error(&e.at, x.to_string());
+    let s = motion.clip.skeleton.clone();
+    let mut tension = vec![Steps::new(); s.links().len()];
+    // the balance of a body on its own feet has the legs
+    let legs = s.limbs().iter().filter(|l| l.kind == LimbKind::Leg && root != RootMode::Pinned);
+    let legs: Vec<usize> = legs.flat_map(|l| [l.upper, l.lower, l.end]).collect();
+    for (source, e) in edits {
+        let fault = |x: &dyn std::error::Error| source.error(&e.at, x.to_string());
         let edited = match &e.kind {
             // pins act last, on a motion that was made possible: `pins`
             EditKind::Track(_) | EditKind::Pin(_) => continue,
+            EditKind::Tension(edit) => {
+                let fixed = (&*legs, "of legs that stand the balance decides, but under `root: Pinned`");
+                edit.on_clip(&motion, &e.place, fixed, &mut tension, log).map_err(|x| fault(&x))?;
+                continue;
+            }
             EditKind::Clip(edit) => edit.apply(&motion, &e.place, log),
             EditKind::Stored(stored) => {
                 if matches!(stored, StoredEdit::ByExample { .. }) {
                     motion.seen = seen(&motion)?;
                 }
-                open(stored, scene, &e.at)?.apply(&motion, &e.place, log)
+                open(stored, source, &e.at)?.apply(&motion, &e.place, log)
             }
         }
         .map_err(|x| fault(&x))?;
         changed |= edited.clip != motion.clip || !edited.times.is_identity();
+        for step in tension.iter_mut().flatten() {
+            step.0 = edited.times.at(step.0);
+        }
         motion = motion.with(edited);
     }
-    Ok(Clips { motion, changed })
+    Ok(Clips { motion, changed, tension })
 }
 
 /// The edit that a file holds.
 ///
 /// # Errors
 /// Files that hold none: at the edit.
-fn open(stored: &StoredEdit, scene: &Scene, at: &str) -> Result<Box<dyn ClipEdit>, SceneError> {
+fn open(stored: &StoredEdit, source: &Source, at: &str) -> Result<Box<dyn ClipEdit>, SceneError> {
     match stored {
         StoredEdit::ByExample { model, amount, contacts } => {
             let opened = match library::bytes(model) {
                 Some(bytes) => formats::example_file::read(std::io::Cursor::new(bytes)),
                 None => formats::example_file::open(model),
             };
-            let edit = opened.map_err(|x| {
-                scene.source.error(&format!("{at}.model"), format!("{}: {x}", model.display()))
-            })?;
+            let edit = opened
+                .map_err(|x| source.error(&format!("{at}.model"), format!("{}: {x}", model.display())))?;
             let whole = ByExample::new(Arc::new(edit));
             let contacts = contacts.unwrap_or(whole.contacts);
             Ok(Box::new(ByExample { amount: *amount, contacts, ..whole }))
         }
         StoredEdit::Style(spec) => {
-            let style = crate::styles::of_spec(spec).map_err(|x| scene.source.error(at, x.to_string()))?;
+            let style = crate::styles::of_spec(spec).map_err(|x| source.error(at, x.to_string()))?;
             Ok(Box::new(style))
         }
     }

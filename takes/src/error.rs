@@ -98,6 +98,12 @@ pub enum TakeError {
         /// The last of them.
         path: String,
     },
+    /// Edits beside a scene.
+    #[error("{path}: edits beside the file are for clips; a scene has its own list, `edits`")]
+    Edits {
+        /// The scene.
+        path: String,
+    },
     /// Something else than a scene or clip.
     #[error("{0}: neither a scene (.ron) nor a clip ({clips}){models}", models = models(_0), clips = formats::table::endings(|f| f.read_clip.is_some()))]
     Kind(String),

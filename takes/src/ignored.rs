@@ -2,7 +2,7 @@
 //!
 //! A key is an element of a track. Its joint may be set by something else: the legs of planted feet follow the pelvis by
 //! IK; a root height above what planted legs reach is lowered; an element that starts together with a later one never
-//! rules. Such keys are named, so that nobody looks for their effect.
+//! rules, unless it has no duration: then it says where the later one starts. Such keys are named, so that nobody looks for their effect.
 //!
 //! In: the tracks of a script, the limbs planted, how far the root was lowered. Out: [`Ignored`], in order of the script.
 //! Units: m, s.
@@ -103,7 +103,8 @@ fn why(
         return Some(Why::Planted { limb: limb.clone() });
     }
     let until = next.map_or(e.ends_s(), |n| n.start_s.min(e.ends_s()));
-    if next.is_some_and(|n| n.start_s <= e.start_s) {
+    // one of no duration places the joint for the one that starts with it
+    if next.is_some_and(|n| n.start_s <= e.start_s) && e.duration_s > 0.0 {
         return next.map(|n| Why::Superseded { by: pose_of(&n.label) });
     }
     if dof != Dof::Coordinate(0, 1) {

@@ -17,6 +17,7 @@
 //! | `clip`, `clip_edits` | the take of a clip; edits of sampled motion |
 //! | [`retargeting`] | human motion put on a character |
 //! | [`posing`] | a clip posed by dragging |
+//! | [`blocking`] | a clip as a script of a few key poses |
 //! | [`standing`] | the parts of a clip a body can perform on its own feet |
 //! | [`styles`] | style components of two takes, put into a third |
 //! | `pins` | the pins of a scene, held after every other edit |
@@ -30,6 +31,7 @@
 
 pub mod analysis;
 pub mod ask;
+pub mod blocking;
 mod clip;
 mod clip_edits;
 pub mod conditions;

@@ -62,6 +62,9 @@ pub fn of_scene(scene: Scene, ask: &Ask) -> Result<Take, TakeError> {
 
 /// The take of a checked scene, which `opening` has as the youngest file.
 fn of_scene_in(mut scene: Scene, ask: &Ask, opening: &Opening) -> Result<Take, TakeError> {
+    if !ask.edits.is_empty() {
+        return Err(TakeError::Edits { path: scene.source.path().display().to_string() });
+    }
     ask.overrides.apply(&mut scene.conditions.physics, &scene.character);
     if let Some(engine) = &ask.engine {
         scene.conditions.engine.clone_from(engine);

@@ -9,28 +9,36 @@
 use edits::{ClipEdit, ClipPlace, EditError, EditLog, Edited, Motion, Pins, Where};
 use motion::Clip;
 use motion::ik::IkError;
-use scenes::SceneError;
 use scenes::scene::{EditKind, Scene, SceneEdit};
+use scenes::{SceneError, Source};
 
 /// A pelvis nearer than this to where it balances rests, m: a fiftieth of what the balance keeps to the edges of soles.
 const RESTS_M: f64 = 1e-3;
 /// Most turns.
 const MOST_TURNS: usize = 16;
 
-/// The pins of a scene, and the first of them.
-pub(crate) fn of(scene: &Scene) -> Option<(Pins, &SceneEdit)> {
+/// Edits, each with the text it stands in.
+type Edits<'a> = &'a [(&'a Source, &'a SceneEdit)];
+
+/// The edits of a scene.
+pub(crate) fn edits(scene: &Scene) -> Vec<(&Source, &SceneEdit)> {
+    scene.edits.iter().map(|e| (&scene.source, e)).collect()
+}
+
+/// The pins among edits, and the first of them.
+fn of<'a>(edits: Edits<'a>) -> Option<(Pins, &'a Source, &'a SceneEdit)> {
     let mut first = None;
     let mut pins = Vec::new();
-    for edit in &scene.edits {
+    for (source, edit) in edits {
         if let EditKind::Pin(pin) = &edit.kind {
-            first.get_or_insert(edit);
+            first.get_or_insert((*source, *edit));
             pins.push(pin.clone());
         }
     }
-    first.map(|first| (Pins { pins }, first))
+    first.map(|(source, first)| (Pins { pins }, source, first))
 }
 
-/// Holds the pins of a scene, if it has any; whether it has.
+/// Holds the pins among edits, if there are any; whether there are.
 ///
 /// * `shift_s`: what is added to their times; pins that are then outside the motion are left out
 /// * `again`: makes a motion one that the body may try, once more
@@ -38,13 +46,13 @@ pub(crate) fn of(scene: &Scene) -> Option<(Pins, &SceneEdit)> {
 /// # Errors
 /// Pins that make no sense, limbs that cannot be solved: at the first pin.
 pub(crate) fn hold(
-    scene: &Scene,
+    edits: Edits<'_>,
     motion: &Motion,
     shift_s: f64,
     again: &dyn Fn(&mut Clip) -> Result<(), IkError>,
     log: &mut EditLog,
 ) -> Result<Option<Clip>, SceneError> {
-    let Some((mut pins, first)) = of(scene) else { return Ok(None) };
+    let Some((mut pins, source, first)) = of(edits) else { return Ok(None) };
     if shift_s != 0.0 {
         let end_s = motion.clip.duration_s();
         pins.pins.retain_mut(|pin| {
@@ -55,7 +63,7 @@ pub(crate) fn hold(
     }
     let edited = InTurn { pins, again }
         .apply(motion, &Where::default(), log)
-        .map_err(|e| scene.source.error(&first.at, e.to_string()))?;
+        .map_err(|e| source.error(&first.at, e.to_string()))?;
     Ok(Some(edited.clip))
 }
 

@@ -105,7 +105,7 @@ pub(crate) fn take(scene: &Scene, script: &ScriptSpec, ask: &Ask) -> Result<Take
     let (asked, tracks) = if ask.no_edits {
         log = EditLog::default();
         let motion = Motion { contacts, ..Motion::of(plain.sample(rate_hz)) };
-        (Clips { motion, changed: false }, plain)
+        (Clips { motion, changed: false, tension: Vec::new() }, plain)
     } else {
         let motion = Motion {
             contacts,
@@ -123,7 +123,7 @@ pub(crate) fn take(scene: &Scene, script: &ScriptSpec, ask: &Ask) -> Result<Take
     let times = asked.motion.times.clone();
     let length = if asked.changed { asked.motion.clip.duration_s() } else { end };
     begin_in_time(scene, [end, length], "settle_s makes the still time after the last element longer")?;
-    let Clips { motion, mut changed } = asked;
+    let Clips { motion, mut changed, .. } = asked;
     let contacts = motion.contacts.clone();
     let mut finished = sampler.finish(motion.clip.clone(), &tracks, &times)?;
     if !ask.no_edits {
@@ -137,7 +137,7 @@ pub(crate) fn take(scene: &Scene, script: &ScriptSpec, ask: &Ask) -> Result<Take
         };
         let possible =
             Motion { clip: finished.clip.clone(), unedited: Some(unedited.clone().into()), ..motion.clone() };
-        if let Some(clip) = pins::hold(scene, &possible, 0.0, &again, &mut log)? {
+        if let Some(clip) = pins::hold(&pins::edits(scene), &possible, 0.0, &again, &mut log)? {
             changed |= clip != finished.clip;
             // what was limited was limited before the pins
             if let Some(Finished { lowered_m, shifted, .. }) = last.into_inner() {

@@ -97,14 +97,18 @@ impl Take {
         } else {
             clip.clone()
         };
+        let begin_s = frames.start as f64 / clip.rate_hz;
+        let mut dense = asked.dense.clone();
+        dense.joints.iter_mut().flat_map(|j| &mut j.tension).for_each(|step| step.0 -= begin_s);
         Self {
             source: Source::Clip(source),
             unedited,
-            conditions: self.conditions.shifted(-(frames.start as f64) / clip.rate_hz),
+            conditions: self.conditions.shifted(-begin_s),
             asked: Asked {
                 contacts: contacts(&self.body.character, &stance, clip.rate_hz),
                 stance: Some(stance),
                 clip,
+                dense,
                 ..asked.clone()
             },
             ..self.clone()

@@ -87,3 +87,47 @@ fn low_rates_come_back() {
         assert!(back.stdout.contains(&format!("rate: {hz} Hz")), "{}", back.stdout);
     }
 }
+
+/// A clip with an edit in the words of a scene; faults are told at their place, and nothing is written then.
+#[test]
+fn a_clip_is_edited() {
+    let place = Place::new();
+    let walk = support::shared("mocap/bvh/16_35.bvh");
+    let walk = walk.to_str().unwrap();
+    let done =
+        place.run(&["convert", walk, "calm.bvh", "--edit", "Amplitude(factor: 0.5, parts: [\"arm_r\"])"]);
+    assert_eq!(done.code, 0, "{}", done.stderr);
+    for words in ["amplitude (edit 0)", "keys per second and joint", "wrote calm.bvh"] {
+        assert!(done.stdout.contains(words), "`{words}` is not in\n{}", done.stdout);
+    }
+    for (input, output, edit, words) in [
+        (walk, "other.bvh", "Amplitude(fctor: 0.5)", "--edit:1:11"),
+        (walk, "other.xml", "Amplitude(factor: 0.5)", "--edit is for motion"),
+        ("bow", "other.bvh", "Amplitude(factor: 0.5)", "--edit is for clips"),
+    ] {
+        let done = place.run(&["convert", input, output, "--edit", edit]);
+        assert_eq!(done.code, 2, "{}", done.stderr);
+        assert!(done.stderr.contains(words) && !place.at(output).exists(), "{words}: {}", done.stderr);
+    }
+    let done = place.run(&["render", "bow", "--kinematic", "--edit", "Amplitude(factor: 0.5)"]);
+    assert!(done.code == 2 && done.stderr.contains("--edit is for clips"), "{}", done.stderr);
+}
+
+/// The key poses of a clip as a scene that renders; what is there already is not replaced.
+#[test]
+fn a_clip_is_blocked() {
+    let place = Place::new();
+    let walk = support::shared("mocap/bvh/16_35.bvh");
+    let convert = ["convert", walk.to_str().unwrap(), "run.ron", "--blocking"];
+    let done = place.run(&convert);
+    assert_eq!(done.code, 0, "{}", done.stderr);
+    assert!(done.stdout.contains("key poses in 1.34 s"), "{}", done.stdout);
+    let text = std::fs::read_to_string(place.at("run.ron")).unwrap();
+    assert!(text.contains("character: \"run-character.ron\"") && text.contains("set_deg"), "{text}");
+    let again = place.run(&convert);
+    assert!(again.code == 2 && again.stderr.contains("exists"), "{}", again.stderr);
+    let done = place.run(&["render", "run.ron", "--kinematic", "--no-plots"]);
+    assert_eq!(done.code, 0, "{}", done.stderr);
+    let done = place.run(&["convert", "run.ron", "again.ron", "--blocking"]);
+    assert!(done.code == 2 && done.stderr.contains("--blocking is for clips"), "{}", done.stderr);
+}

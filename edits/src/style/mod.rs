@@ -18,7 +18,6 @@
 //! | [`cycle`] | whether a series repeats itself |
 //! | [`align`] | time warping of a donor to a base |
 //! | [`mod@transfer`] | components of the one in the other, amounts, what is mended afterwards |
-//! | `feet` | feet that stand where they stood |
 //! | [`edit`] | the clip edit |
 //!
 //! \[SCF06\] Shapiro, Cao, Faloutsos. Style components. Graphics Interface 2006.
@@ -27,7 +26,6 @@ pub mod align;
 pub mod cycle;
 pub mod edit;
 pub mod error;
-mod feet;
 pub mod figure;
 pub mod representation;
 pub mod separate;

@@ -25,9 +25,9 @@ use nalgebra::DMatrix;
 
 use super::align::{On, aligned};
 use super::error::StyleError;
-use super::feet::{self, Feet};
 use super::figure::{Match, Postures};
 use super::set::{StyleSet, said};
+use crate::feet::{self, Feet};
 use crate::param::Instant;
 use crate::{Edited, Motion, Parameter};
 

@@ -9,6 +9,7 @@ mod clip_log;
 mod extent;
 mod identity;
 mod log;
+mod on_fit;
 mod order;
 mod pin;
 mod place;

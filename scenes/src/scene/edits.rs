@@ -3,7 +3,8 @@
 //! In: the words of [`crate::schema`]. Out: a [`SceneEdit`] for each, in the order declared, or an error at the very value. Labels and
 //! parts are found when the edits are applied: they are of the motion, which is not built here.
 //!
-//! Track edits change a script and come before clip edits, which change what was sampled from it.
+//! Track edits change a script, clip edits what was sampled. A track edit becomes a clip edit, through a fit ([`edits::OnFit`]),
+//! where there is no script, after a clip edit, and where `span_s` or `fit` is given.
 
 use std::collections::BTreeMap;
 use std::path::PathBuf;
@@ -11,18 +12,23 @@ use std::path::PathBuf;
 use edits::by_example::Contacts;
 use edits::style::Timing;
 use edits::{
-    Amount, Amplitude, ClipEdit, ExtentReach, ExtentShoulder, Parameter, Pin, PinAt, PoseChange, PoseDelta,
-    PoseRequest, Reference, Succession, Tension, TimeDelta, TrackEdit, Warp, Where,
+    Amount, Amplitude, ClipEdit, ExtentReach, ExtentShoulder, OnFit, Parameter, Pin, PinAt, PoseChange,
+    PoseDelta, PoseRequest, Reference, Succession, Tension, TimeDelta, TrackEdit, Warp, Where,
 };
 
+use bodies::Character;
+use motion::Tolerance;
+
 use super::{Check, SceneSource};
-use crate::SceneError;
 use crate::schema::{EditRon, ParameterRon, PinAtRon};
+use crate::{SceneError, Source};
 
 /// What an edit of a scene changes.
 pub enum EditKind {
     /// The tracks of a script.
     Track(Box<dyn TrackEdit + Send + Sync>),
+    /// How tense the joints of a motion without a script are.
+    Tension(Tension),
     /// A sampled motion, wherever it came from.
     Clip(Box<dyn ClipEdit + Send + Sync>),
     /// The same, by what a file holds; nothing is opened here.
@@ -89,15 +95,24 @@ impl EditKind {
     pub fn name(&self) -> &'static str {
         match self {
             Self::Track(edit) => edit.name(),
+            Self::Tension(edit) => edit.name(),
             Self::Clip(edit) => edit.name(),
             Self::Stored(edit) => edit.name(),
             Self::Pin(_) => "pin",
         }
     }
 
+    /// The file that holds it, if one does.
+    pub fn file(&self) -> Option<&PathBuf> {
+        match self {
+            Self::Stored(stored) => Some(stored.file()),
+            Self::Track(_) | Self::Tension(_) | Self::Clip(_) | Self::Pin(_) => None,
+        }
+    }
+
     /// Whether it changes a sampled motion.
     pub fn is_of_clips(&self) -> bool {
-        !matches!(self, Self::Track(_))
+        matches!(self, Self::Clip(_) | Self::Stored(_))
     }
 }
 
@@ -116,10 +131,9 @@ impl Check<'_> {
     pub(crate) fn edits(&self, ron: &[EditRon], source: &SceneSource) -> Result<Vec<SceneEdit>, SceneError> {
         let mut out: Vec<SceneEdit> = Vec::new();
         for (i, e) in ron.iter().enumerate() {
-            let edit = self.edit(&format!("edits[{i}]"), e)?;
-            if let EditKind::Track(_) = edit.kind {
-                self.may_edit_tracks(&edit, &out, source)?;
-            }
+            let sampled = out.iter().any(|before| before.kind.is_of_clips());
+            let of = Of { script: source.script().is_some(), sampled };
+            let edit = self.edit(&format!("edits[{i}]"), e, of)?;
             if let (false, Some(EditKind::Pin(pin))) =
                 (matches!(edit.kind, EditKind::Pin(_)), out.last().map(|last| &last.kind))
             {
@@ -134,51 +148,24 @@ impl Check<'_> {
         Ok(out)
     }
 
-    /// Track edits need a script, and one that no clip edit has changed.
-    fn may_edit_tracks(
-        &self,
-        edit: &SceneEdit,
-        before: &[SceneEdit],
-        source: &SceneSource,
-    ) -> Result<(), SceneError> {
-        let name = edit.kind.name();
-        let refused = |why: String| self.source.error(&edit.at, why);
-        if source.script().is_none() {
-            let why = format!(
-                "the edit `{name}` changes the poses of a script; the motion of this scene is: {}",
-                source.describe()
-            );
-            return Err(refused(why)
-                .with_help("edits of any motion: Warp, PoseDelta, TimeDelta, ByExample, Style, Pin"));
-        }
-        match before.iter().find(|b| b.kind.is_of_clips()) {
-            None => Ok(()),
-            Some(clip) => Err(refused(format!(
-                "the edit `{name}` changes the script, but `{}` before it changes what was sampled from the script; \
-                 allowed: edits of the script first",
-                clip.kind.name()
-            ))),
-        }
-    }
-
-    fn edit(&self, at: &str, e: &EditRon) -> Result<SceneEdit, SceneError> {
+    fn edit(&self, at: &str, e: &EditRon, of: Of) -> Result<SceneEdit, SceneError> {
         let (on, repetition, parts, span_s) = match e {
-            EditRon::Succession { on, repetition, parts, .. }
-            | EditRon::Amplitude { on, repetition, parts, .. }
-            | EditRon::ExtentShoulder { on, repetition, parts, .. }
-            | EditRon::ExtentReach { on, repetition, parts, .. }
-            | EditRon::Tension { on, repetition, parts, .. } => (on, repetition, parts, None),
-            EditRon::Warp { on, repetition, parts, span_s, .. }
+            EditRon::Succession { on, repetition, parts, span_s, .. }
+            | EditRon::Amplitude { on, repetition, parts, span_s, .. }
+            | EditRon::ExtentShoulder { on, repetition, parts, span_s, .. }
+            | EditRon::ExtentReach { on, repetition, parts, span_s, .. }
+            | EditRon::Tension { on, repetition, parts, span_s, .. }
+            | EditRon::Warp { on, repetition, parts, span_s, .. }
             | EditRon::ByExample { on, repetition, parts, span_s, .. }
             | EditRon::PoseDelta { on, repetition, parts, span_s, .. }
             | EditRon::Style { on, repetition, parts, span_s, .. }
             | EditRon::TimeDelta { on, repetition, parts, span_s, .. } => (on, repetition, parts, *span_s),
             EditRon::Pin { .. } => (const { &String::new() }, &None, const { &Vec::new() }, None),
         };
-        let track = |edit: Box<dyn TrackEdit + Send + Sync>| EditKind::Track(edit);
+        let track = |edit: Box<dyn TrackEdit + Send + Sync>| self.track(at, e, edit, of);
         let kind = match e {
             EditRon::Succession { offset_s, direction, .. } => {
-                track(Box::new(Succession { offset_s: parameter(offset_s), direction: direction.0 }))
+                track(Box::new(Succession { offset_s: parameter(offset_s), direction: direction.0 }))?
             }
             EditRon::Amplitude { factor, reference, .. } => track(Box::new(Amplitude {
                 factor: parameter(factor),
@@ -186,19 +173,22 @@ impl Check<'_> {
                     Reference::InterPose => None,
                     Reference::Rest => Some(self.character.rest.clone()),
                 },
-            })),
+            }))?,
             EditRon::ExtentShoulder { extent, .. } => {
-                track(Box::new(ExtentShoulder { extent: parameter(extent) }))
+                track(Box::new(ExtentShoulder { extent: parameter(extent) }))?
             }
-            EditRon::ExtentReach { factor, .. } => track(Box::new(ExtentReach { factor: parameter(factor) })),
-            EditRon::Tension { factor: Some(f), absolute: None, .. } => {
-                track(Box::new(Tension { amount: Amount::Factor(parameter(f)) }))
+            EditRon::ExtentReach { factor, .. } => {
+                track(Box::new(ExtentReach { factor: parameter(factor) }))?
             }
-            EditRon::Tension { factor: None, absolute: Some(a), .. } => {
-                track(Box::new(Tension { amount: Amount::Absolute(parameter(a)) }))
-            }
-            EditRon::Tension { .. } => {
-                return Err(self.source.error(at, "a Tension takes either `factor` or `absolute`"));
+            EditRon::Tension { factor, absolute, .. } => {
+                let amount = match (factor, absolute) {
+                    (Some(f), None) => Amount::Factor(parameter(f)),
+                    (None, Some(a)) => Amount::Absolute(parameter(a)),
+                    _ => {
+                        return Err(self.source.error(at, "a Tension takes either `factor` or `absolute`"));
+                    }
+                };
+                self.tension(at, Tension { amount }, span_s.is_some(), of)?
             }
             EditRon::ByExample { model, amount, contacts, .. } => {
                 let at_model = format!("{at}.model");
@@ -262,6 +252,65 @@ impl Check<'_> {
         place.places().map_err(|e| self.source.error(&format!("{at}.on"), e.to_string()))?;
         Ok(SceneEdit { kind, place, at: at.into() })
     }
+}
+
+/// What an edit of a scene meets.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Of {
+    /// The motion is a script.
+    script: bool,
+    /// A clip edit comes before it.
+    sampled: bool,
+}
+
+impl Check<'_> {
+    /// An edit of elements: of those of the script, or of elements fitted to the motion.
+    fn track(
+        &self,
+        at: &str,
+        e: &EditRon,
+        edit: Box<dyn TrackEdit + Send + Sync>,
+        of: Of,
+    ) -> Result<EditKind, SceneError> {
+        let (EditRon::Succession { fit, span_s, .. }
+        | EditRon::Amplitude { fit, span_s, .. }
+        | EditRon::ExtentShoulder { fit, span_s, .. }
+        | EditRon::ExtentReach { fit, span_s, .. }) = e
+        else {
+            return Ok(EditKind::Track(edit));
+        };
+        if of.script && !of.sampled && fit.is_none() && span_s.is_none() {
+            return Ok(EditKind::Track(edit));
+        }
+        let usual = Tolerance::default();
+        let fit = fit.map_or(usual, |fit| Tolerance {
+            deg: fit.deg.unwrap_or(usual.deg),
+            mm: fit.mm.unwrap_or(usual.mm),
+        });
+        fit.check().map_err(|e| self.source.error(&format!("{at}.fit"), e.to_string()))?;
+        Ok(EditKind::Clip(Box::new(OnFit { edit, fit })))
+    }
+
+    /// An edit of tension: of the elements of a script, which a retiming takes along, or of a clip over time.
+    fn tension(&self, at: &str, edit: Tension, spans: bool, of: Of) -> Result<EditKind, SceneError> {
+        if !of.script {
+            return Ok(EditKind::Tension(edit));
+        }
+        if spans {
+            let why = "the tension of a script is that of its elements: name them in `on`; `span_s` is for motion without a script";
+            return Err(self.source.error(&format!("{at}.span_s"), why));
+        }
+        Ok(EditKind::Track(Box::new(edit)))
+    }
+}
+
+/// An edit as a text of its own, of a motion without a script: what `--edit` of the command line takes.
+///
+/// # Errors
+/// As in a scene, at the place in the text.
+pub fn edit_of_clip(source: &Source, character: &Character) -> Result<SceneEdit, SceneError> {
+    let ron: EditRon = source.parse()?;
+    Check { source, character }.edit("", &ron, Of { script: false, sampled: false })
 }
 
 fn parameter(p: &ParameterRon) -> Parameter {

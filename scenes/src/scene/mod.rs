@@ -29,7 +29,7 @@ use crate::conditions::ConditionsSpec;
 use crate::schema::SceneRon;
 use crate::{Patch, SceneError, Source, StripSpec, TuneSpec, character_file, library};
 
-pub use edits::{EditKind, SceneEdit, StoredEdit, StyleSpec};
+pub use edits::{EditKind, SceneEdit, StoredEdit, StyleSpec, edit_of_clip};
 pub use motion::{RetargetSpec, SceneSource};
 pub use script::ScriptSpec;
 
@@ -93,10 +93,7 @@ pub fn parse(source: Source, name: String) -> Result<Scene, SceneError> {
     files.extend(motion.files().into_iter().cloned());
     let tune = TuneSpec::read(ron.tune.as_ref(), moves || ron.motion.is_some(), &source)?;
     let edits = check.edits(&ron.edits, &motion)?;
-    files.extend(edits.iter().filter_map(|e| match &e.kind {
-        EditKind::Stored(stored) => Some(stored.file().clone()),
-        EditKind::Track(_) | EditKind::Clip(_) | EditKind::Pin(_) => None,
-    }));
+    files.extend(edits.iter().filter_map(|e| e.kind.file().cloned()));
     files.retain(|file| !library::is_location(file));
     let conditions = check.conditions(&ron, physics)?;
     let rate = |x| check.within("rate_hz", x, 1.0, 1000.0, "Hz");

@@ -68,9 +68,19 @@ impl<'de> Deserialize<'de> for ParameterRon {
     }
 }
 
+/// How close elements are fitted to a motion that an edit of elements is to change.
+#[derive(Clone, Copy, Debug, Deserialize)]
+#[serde(deny_unknown_fields, rename = "fit")]
+pub struct FitRon {
+    /// Rotations, degrees.
+    pub deg: Option<f64>,
+    /// Lengths, mm.
+    pub mm: Option<f64>,
+}
+
 /// An edit. `on`: labels as text, several by commas; empty is the whole motion. `repetition`: only
 /// this repetition of the cycle or pose named. `parts`: body parts, joints; empty is the whole body. `span_s`: from when to
-/// when, of clip edits.
+/// when, of clip edits. `fit`: how close elements are fitted to what is no script.
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields, rename = "edit")]
 #[expect(missing_docs, reason = "fields of every variant as described above; parameters in `edits`")]
@@ -81,6 +91,8 @@ pub enum EditRon {
         repetition: Option<usize>,
         #[serde(default)]
         parts: Vec<String>,
+        span_s: Option<(f64, f64)>,
+        fit: Option<FitRon>,
         offset_s: ParameterRon,
         #[serde(default)]
         direction: Named<Direction>,
@@ -91,6 +103,8 @@ pub enum EditRon {
         repetition: Option<usize>,
         #[serde(default)]
         parts: Vec<String>,
+        span_s: Option<(f64, f64)>,
+        fit: Option<FitRon>,
         factor: ParameterRon,
         #[serde(default)]
         reference: Named<Reference>,
@@ -101,6 +115,8 @@ pub enum EditRon {
         repetition: Option<usize>,
         #[serde(default)]
         parts: Vec<String>,
+        span_s: Option<(f64, f64)>,
+        fit: Option<FitRon>,
         extent: ParameterRon,
     },
     ExtentReach {
@@ -109,6 +125,8 @@ pub enum EditRon {
         repetition: Option<usize>,
         #[serde(default)]
         parts: Vec<String>,
+        span_s: Option<(f64, f64)>,
+        fit: Option<FitRon>,
         factor: ParameterRon,
     },
     Tension {
@@ -117,6 +135,7 @@ pub enum EditRon {
         repetition: Option<usize>,
         #[serde(default)]
         parts: Vec<String>,
+        span_s: Option<(f64, f64)>,
         factor: Option<ParameterRon>,
         absolute: Option<ParameterRon>,
     },

@@ -66,10 +66,11 @@ pub(crate) fn take(
     let contacts = plan(&done.phases);
     let mut log = EditLog::default();
     let (mut clip, mut contacts, mut times, mut clamped) = (done.clip, contacts, TimeMap::identity(), 0.0);
-    let mut limited = Vec::new();
+    let (mut limited, mut dense) = (Vec::new(), Dense::default());
     if !ask.no_edits {
         let motion = Motion { contacts: contacts.clone(), floor_m: Some(0.0), ..Motion::of(clip.clone()) };
         let edited = clip_edits::apply(scene, motion, &mut log, |_| Ok(None))?;
+        dense = edited.tense();
         if edited.changed {
             contacts = edited.motion.contacts;
             times = edited.motion.times;
@@ -84,7 +85,7 @@ pub(crate) fn take(
             times: times.clone(),
             ..Motion::of(clip.clone())
         };
-        if let Some(held) = pins::hold(scene, &motion, 0.0, &|_| Ok(()), &mut log)? {
+        if let Some(held) = pins::hold(&pins::edits(scene), &motion, 0.0, &|_| Ok(()), &mut log)? {
             clip = held;
         }
     }
@@ -102,7 +103,7 @@ pub(crate) fn take(
         asked: Asked {
             clip,
             tracks: None,
-            dense: Dense::default(),
+            dense,
             plants: Vec::new(),
             contacts,
             stance: None,

@@ -1,17 +1,15 @@
-//! Feet that stand where they stood: planted by two-bone IK after a style has changed the legs.
+//! Feet that stand where they stood: planted by two-bone IK after an edit has changed what carries them.
 //!
-//! In: a clip before the change with its contacts. Out: the changed clip whose standing feet are where they were, and
-//! come there and leave within 0.16 s. Where a leg would be too short the root comes down, smoothly.
+//! In: a clip before the change with its contacts. Out: the changed clip whose standing feet (and hands that stand) are where they
+//! were, and come there and leave within 0.16 s. Where a leg would be too short the root comes down, smoothly.
 
-use motion::ik::{Reach, reach_range, solve_two_bone_oriented};
+use motion::ik::{IkError, Reach, reach_range, solve_two_bone_oriented};
 use motion::rotation::slerp;
 use motion::smooth::whittaker::{Whittaker, lambda};
-use motion::{Clip, ContactPlan, Joint, Kinematics, Limb, LimbKind, Transform, Vec3, smoothstep};
-
-use super::error::StyleError;
+use motion::{Clip, Contact, ContactPlan, Joint, Kinematics, Limb, Skeleton, Transform, Vec3, smoothstep};
 
 /// A foot comes to its place, and leaves it, over this time, s.
-const RAMP_S: f64 = 0.16;
+pub(crate) const RAMP_S: f64 = 0.16;
 /// Feet this near to their places are there, m: nothing is solved, so that what is unchanged stays so to the bit.
 const THERE_M: f64 = 1e-9;
 /// A leg is not pulled straighter than this fraction of its length, 14° of knee flexion for equal bones: near full stretch
@@ -21,7 +19,7 @@ const STRAIGHTEST: f64 = 0.9925;
 const LOWER_HZ: f64 = 2.5;
 
 /// Where feet stood.
-pub(super) struct Feet {
+pub(crate) struct Feet {
     legs: Vec<Leg>,
 }
 
@@ -34,31 +32,34 @@ struct Leg {
 }
 
 /// Height of the lowest link of a clip, m.
-pub(super) fn lowest(clip: &Clip) -> f64 {
+pub(crate) fn lowest(clip: &Clip) -> f64 {
     let all = worlds(clip);
     all.iter().flat_map(|k| k.world.iter().map(|w| w.translation.vector.y)).fold(f64::INFINITY, f64::min)
 }
 
+/// The contacts of a limb, by its name or by a point of its end.
+pub(crate) fn of_limb<'a>(
+    s: &'a Skeleton,
+    contacts: &'a ContactPlan,
+    limb: &'a Limb,
+) -> impl Iterator<Item = &'a Contact> {
+    let on_end = move |point: &str| {
+        let link = s.site(point).map(|site| site.link).or_else(|| s.link(point));
+        link.is_some_and(|link| link == limb.end || s.ancestors(link).any(|l| l == limb.end))
+    };
+    contacts.contacts().iter().filter(move |c| c.point == limb.name || on_end(&c.point))
+}
+
 impl Feet {
-    /// The legs of a clip that the contacts name, by limb or by a point of the foot.
-    pub(super) fn of(clip: &Clip, contacts: &ContactPlan) -> Self {
+    /// The limbs of a clip that the contacts name, by limb or by a point of the foot.
+    pub(crate) fn of(clip: &Clip, contacts: &ContactPlan) -> Self {
         let s = &clip.skeleton;
         let all = worlds(clip);
         let legs = s
             .limbs()
             .iter()
-            .filter(|l| l.kind == LimbKind::Leg)
             .filter_map(|limb| {
-                let on_foot = |point: &str| {
-                    s.site(point).is_some_and(|site| {
-                        site.link == limb.end || s.ancestors(site.link).any(|link| link == limb.end)
-                    })
-                };
-                let own: Vec<_> = contacts
-                    .contacts()
-                    .iter()
-                    .filter(|c| c.point == limb.name || on_foot(&c.point))
-                    .collect();
+                let own: Vec<_> = of_limb(s, contacts, limb).collect();
                 if own.is_empty() {
                     return None;
                 }
@@ -81,8 +82,13 @@ impl Feet {
         Feet { legs }
     }
 
+    /// Whether no limb is known to stand.
+    pub(crate) fn is_empty(&self) -> bool {
+        self.legs.is_empty()
+    }
+
     /// Holds the feet of the changed clip; says what could not be held.
-    pub(super) fn hold(&self, clip: &mut Clip) -> Result<Vec<String>, StyleError> {
+    pub(crate) fn hold(&self, clip: &mut Clip) -> Result<Vec<String>, IkError> {
         if self.legs.is_empty() {
             return Ok(vec!["nothing is known of contacts: feet are not held".into()]);
         }
@@ -137,7 +143,7 @@ impl Feet {
     }
 
     /// Lowers a free root where a leg would be too short; how far at most, m.
-    fn lower(&self, clip: &mut Clip, goals: &[Vec<Option<Transform>>]) -> Result<f64, StyleError> {
+    fn lower(&self, clip: &mut Clip, goals: &[Vec<Option<Transform>>]) -> Result<f64, IkError> {
         let s = clip.skeleton.clone();
         if !matches!(s.links()[0].joint, Joint::Free) {
             return Ok(0.0);
@@ -186,6 +192,6 @@ impl Feet {
 }
 
 /// Origins of the links of a clip, for measures: frame by frame, m.
-pub(super) fn worlds(clip: &Clip) -> Vec<Kinematics> {
+pub(crate) fn worlds(clip: &Clip) -> Vec<Kinematics> {
     (0..clip.frames()).map(|f| Kinematics::new(&clip.skeleton, clip.pose(f))).collect()
 }
