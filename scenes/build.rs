@@ -1,6 +1,6 @@
 //! Lists the files of the library, so that a new scene is one new file and nothing else.
 //!
-//! In: every `*.ron` in this folder and in the folders directly below it. Out: `library.rs` in `OUT_DIR`, the table
+//! In: every `*.ron` and `*.rhai` in this folder and in the folders directly below it. Out: `library.rs` in `OUT_DIR`, the table
 //! `ENTRIES` of `src/library.rs`: files of this folder first (as `scenes/NAME.ron`), then folder by folder, sorted.
 //!
 //! Cargo runs it again when anything in the folder changes, a file added or removed included.
@@ -24,7 +24,7 @@ fn main() -> io::Result<()> {
     let mut table = String::from("static ENTRIES: &[Entry] = &[\n");
     for (folder, path) in folders {
         for file in children(&path)? {
-            if file.is_file() && file.extension().is_some_and(|e| e == "ron") {
+            if file.is_file() && file.extension().is_some_and(|e| e == "ron" || e == "rhai") {
                 let name = format!("{folder}/{}", name_of(&file));
                 table += &format!("    Entry {{ path: {name:?}, text: include_str!({file:?}) }},\n");
             }

@@ -91,6 +91,11 @@ impl Controller {
         all
     }
 
+    /// What reactive properties did, a line each.
+    pub fn reactive_lines(&self) -> Vec<String> {
+        self.reactive.iter().flat_map(|property| property.lines()).collect()
+    }
+
     /// Drives of the last step.
     pub fn drives(&self) -> &[Drive] {
         &self.drives

@@ -82,6 +82,11 @@ pub trait Reactive: Send {
     /// # Errors
     /// Limbs that two-bone IK cannot solve; programs of the user that fail.
     fn react(&mut self, step: &ControlStep<'_>, drives: &mut [Drive]) -> Result<(), ReactiveError>;
+
+    /// What it did in the run so far, a line each, for reports.
+    fn lines(&self) -> Vec<String> {
+        Vec::new()
+    }
 }
 
 /// Time by which a goal is moved on to find the joint rates of its path, s.

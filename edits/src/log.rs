@@ -11,7 +11,7 @@
 use std::collections::BTreeMap;
 use std::fmt;
 
-use motion::{Element, Label, Skeleton, Tracks};
+use motion::{Dof, Element, Label, Skeleton, Tracks};
 
 use crate::ClipChange;
 
@@ -59,12 +59,29 @@ pub struct Conflict {
     pub edits: Vec<usize>,
 }
 
+/// What was written to one element.
+#[derive(Clone, Debug, PartialEq)]
+struct Writes {
+    /// Its label with the DOF's name.
+    name: String,
+    /// The edits that wrote each field, in order; fields in order.
+    fields: Vec<(Field, Vec<usize>)>,
+}
+
+impl Writes {
+    fn add(&mut self, field: Field, edit: usize) {
+        match self.fields.binary_search_by_key(&field, |f| f.0) {
+            Ok(at) => self.fields[at].1.push(edit),
+            Err(at) => self.fields.insert(at, (field, vec![edit])),
+        }
+    }
+}
+
 /// What the edits did. See the module header.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct EditLog {
     edits: Vec<&'static str>,
-    writes: BTreeMap<Label, BTreeMap<Field, Vec<usize>>>,
-    names: BTreeMap<Label, String>,
+    writes: BTreeMap<Label, Writes>,
     base_tension: BTreeMap<String, Vec<usize>>,
     clamped: Vec<(usize, Label)>,
     clip_changes: Vec<ClipChange>,
@@ -79,27 +96,27 @@ impl EditLog {
 
     /// The edit that last wrote any field of an element: its index and name.
     pub fn last_writer(&self, label: &Label) -> Option<(usize, &'static str)> {
-        let last = self.writes.get(label)?.values().filter_map(|w| w.last().copied()).max()?;
+        let last = self.writes.get(label)?.fields.iter().filter_map(|(_, w)| w.last().copied()).max()?;
         Some((last, self.edits[last]))
     }
 
     /// The fields of an element that were written, each with the edit that last did.
     pub fn fields(&self, label: &Label) -> impl Iterator<Item = (Field, usize)> {
-        let fields = self.writes.get(label).into_iter().flatten();
+        let fields = self.writes.get(label).into_iter().flat_map(|w| &w.fields);
         fields.filter_map(|(field, edits)| Some((*field, *edits.last()?)))
     }
 
     /// All elements written by the edit of this index, in order.
     pub fn written_by(&self, edit: usize) -> Vec<&Label> {
-        let wrote = |fields: &BTreeMap<Field, Vec<usize>>| fields.values().any(|w| w.contains(&edit));
-        self.writes.iter().filter(|(_, fields)| wrote(fields)).map(|(label, _)| label).collect()
+        let wrote = |writes: &Writes| writes.fields.iter().any(|(_, w)| w.contains(&edit));
+        self.writes.iter().filter(|(_, writes)| wrote(writes)).map(|(label, _)| label).collect()
     }
 
     /// Fields that more than one edit wrote.
     pub fn conflicts(&self) -> Vec<Conflict> {
         let mut found = Vec::new();
-        for (label, fields) in &self.writes {
-            for (field, edits) in fields {
+        for (label, writes) in &self.writes {
+            for (field, edits) in &writes.fields {
                 if edits.len() > 1 {
                     found.push(Conflict { label: label.clone(), field: *field, edits: edits.clone() });
                 }
@@ -165,12 +182,26 @@ impl EditLog {
     /// Records every difference between the tracks before and after the edit begun last.
     pub(crate) fn record(&mut self, before: &Tracks, after: &Tracks) {
         let edit = self.current();
-        let old: BTreeMap<&Label, &Element> = before.elements().map(|(_, e)| (&e.label, e)).collect();
+        let skeleton = &after.skeleton;
+        let dofs: Vec<String> = Dof::all(skeleton).iter().map(|d| d.name(skeleton)).collect();
+        // most edits leave elements in their places; labels are looked up only where one did not
+        let mut by_label: Option<BTreeMap<&Label, &Element>> = None;
+        let mut old = before.elements().map(|(_, e)| e);
         for (_, e) in after.elements() {
-            for field in old.get(&e.label).map_or_else(|| vec![Field::Created], |o| differing(o, e)) {
-                self.writes.entry(e.label.clone()).or_default().entry(field).or_default().push(edit);
-                self.names.entry(e.label.clone()).or_insert_with(|| e.label.named(&after.skeleton));
+            let was = old.next().filter(|o| o.label == e.label).or_else(|| {
+                let all = || before.elements().map(|(_, e)| (&e.label, e)).collect();
+                by_label.get_or_insert_with(all).get(&e.label).copied()
+            });
+            let mut fields =
+                was.map_or_else(|| vec![Field::Created], |o| differing(o, e)).into_iter().peekable();
+            if fields.peek().is_none() {
+                continue;
             }
+            let writes = self.writes.entry(e.label.clone()).or_insert_with(|| {
+                let name = dofs.get(e.label.dof).map_or_else(|| e.label.to_string(), |d| e.label.with_dof(d));
+                Writes { name, fields: Vec::new() }
+            });
+            fields.for_each(|field| writes.add(field, edit));
         }
         let links = after.skeleton.links().iter();
         for (link, (a, b)) in links.zip(before.base_tension.iter().zip(&after.base_tension)) {
@@ -182,7 +213,7 @@ impl EditLog {
 
     /// The label of an element as text with the DOF's name.
     pub fn name(&self, label: &Label, skeleton: &Skeleton) -> String {
-        self.names.get(label).cloned().unwrap_or_else(|| label.named(skeleton))
+        self.writes.get(label).map_or_else(|| label.named(skeleton), |w| w.name.clone())
     }
 }
 
@@ -204,9 +235,11 @@ fn differing(a: &Element, b: &Element) -> Vec<Field> {
 impl fmt::Display for EditLog {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let edit = |i: usize| format!("{} (edit {i})", self.edits[i]);
-        let text = |label: &Label| self.names.get(label).cloned().unwrap_or_else(|| label.to_string());
-        for (label, fields) in &self.writes {
-            let fields: Vec<String> = fields
+        let text =
+            |label: &Label| self.writes.get(label).map_or_else(|| label.to_string(), |w| w.name.clone());
+        for (label, writes) in &self.writes {
+            let fields: Vec<String> = writes
+                .fields
                 .iter()
                 .filter_map(|(field, w)| Some(format!("{field} by {}", edit(*w.last()?))))
                 .collect();

@@ -19,9 +19,8 @@ const POSES: usize = 500;
 
 /// A chain of hinges that moves all of them in every pose.
 fn tracks() -> Tracks {
-    let link = |i: usize| {
-        Link::new(format!("j{i}"), i.checked_sub(1), Vec3::y() * 0.1, Joint::Revolute(Vec3::x()))
-    };
+    let link =
+        |i: usize| Link::new(format!("j{i}"), i.checked_sub(1), Vec3::y() * 0.1, Joint::Revolute(Vec3::x()));
     let chain = Arc::new(Skeleton::new((0..LINKS).map(link).collect()).unwrap());
     let value = |p: usize, i: usize| PoseValue::scalar(format!("j{i}"), 0.01 * ((p * 7 + i) % 50) as f64);
     let pose = |p: usize| Pose { values: (0..LINKS).map(|i| value(p, i)).collect(), ..Pose::default() };
@@ -61,9 +60,7 @@ fn edits(c: &mut Criterion) {
         });
     };
     run("program", &|| Box::new(read(SHAKE)));
-    run("succession as a program", &|| {
-        Box::new(read(include_str!("../../scenes/programs/succession.rhai")))
-    });
+    run("succession as a program", &|| Box::new(read(include_str!("../../scenes/programs/succession.rhai"))));
     run("succession", &|| Box::new(Succession::forward(0.1)));
     group.finish();
 }

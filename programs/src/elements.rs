@@ -80,8 +80,7 @@ impl Work {
     }
 
     fn label(&self, l: &Label) -> String {
-        let tail = l.repetition.map(|r| format!("_{r}")).unwrap_or_default();
-        format!("{}_{}_{}_{}{tail}", l.action, l.cycle, l.pose, self.names[l.dof])
+        l.with_dof(&self.names[l.dof])
     }
 
     fn found(&mut self) -> &Found {
@@ -234,7 +233,10 @@ fn curve_of(text: &str) -> Answer<Curve> {
     match name.and_then(|(name, ..)| Curve::named(*name)) {
         Some(curve) => Ok(curve),
         None if name.is_some() => refuse("a Bezier is a list of its handles, [x1, y1, x2, y2]"),
-        None => refuse(format!("unknown curve `{text}`; there are: {}, or handles [x1, y1, x2, y2]", known.join(", "))),
+        None => refuse(format!(
+            "unknown curve `{text}`; there are: {}, or handles [x1, y1, x2, y2]",
+            known.join(", ")
+        )),
     }
 }
 
@@ -247,7 +249,11 @@ fn curve(value: &Dynamic) -> Answer<Curve> {
         Err(_) => Vec::new(),
     };
     match handles[..] {
-        [x1, y1, x2, y2] if handles.iter().all(|x| x.is_finite()) && (0.0..=1.0).contains(&x1) && (0.0..=1.0).contains(&x2) => {
+        [x1, y1, x2, y2]
+            if handles.iter().all(|x| x.is_finite())
+                && (0.0..=1.0).contains(&x1)
+                && (0.0..=1.0).contains(&x2) =>
+        {
             Ok(Curve::Bezier(x1, y1, x2, y2))
         }
         _ => refuse(format!(
@@ -281,7 +287,7 @@ fn register_script(e: &mut Engine) {
             (0..n).map(|i| Dynamic::from(TrackHandle(s.0.clone(), i))).collect()
         })
         .register_get("len", |s: &mut ScriptHandle| read(&s.0).selected.iter().filter(|x| **x).count() as i64)
-        .register_fn("element", |s: &mut ScriptHandle, label: &str| {
+        .register_indexer_get(|s: &mut ScriptHandle, label: &str| {
             let mut work = write(&s.0);
             let found = work.found();
             match found.by_label.get(label) {
@@ -354,12 +360,18 @@ fn register_element(e: &mut Engine) {
     field!(e, "tension", tension, LEAST_TENSION, f64::MAX);
     e.register_get("arrives_s", |e: &mut ElementHandle| e.get(|_, _, x| x.arrives_s()))
         .register_get("ends_s", |e: &mut ElementHandle| e.get(|_, _, x| x.ends_s()))
-        .register_get("label", |e: &mut ElementHandle| -> ImmutableString { e.get(|w, _, x| w.label(&x.label).into()) })
-        .register_get("action", |e: &mut ElementHandle| -> ImmutableString { e.get(|_, _, x| (*x.label.action).into()) })
+        .register_get("label", |e: &mut ElementHandle| -> ImmutableString {
+            e.get(|w, _, x| w.label(&x.label).into())
+        })
+        .register_get("action", |e: &mut ElementHandle| -> ImmutableString {
+            e.get(|_, _, x| (*x.label.action).into())
+        })
         .register_get("cycle", |e: &mut ElementHandle| e.get(|_, _, x| x.label.cycle as i64))
         .register_get("pose", |e: &mut ElementHandle| e.get(|_, _, x| x.label.pose as i64))
         .register_get("repetition", |e: &mut ElementHandle| e.get(|_, _, x| x.label.round() as i64))
-        .register_get("joint", |e: &mut ElementHandle| -> ImmutableString { e.get(|w, _, x| w.names[x.label.dof].clone()) })
+        .register_get("joint", |e: &mut ElementHandle| -> ImmutableString {
+            e.get(|w, _, x| w.names[x.label.dof].clone())
+        })
         .register_get("selected", |e: &mut ElementHandle| read(&e.0).selected[e.1])
         .register_get_set(
             "mark",
@@ -400,7 +412,9 @@ fn register_element(e: &mut Engine) {
             "curve",
             |e: &mut ElementHandle| -> Dynamic {
                 e.get(|_, _, x| match x.curve {
-                    Curve::Bezier(a, b, c, d) => Dynamic::from_array([a, b, c, d].map(Dynamic::from_float).to_vec()),
+                    Curve::Bezier(a, b, c, d) => {
+                        Dynamic::from_array([a, b, c, d].map(Dynamic::from_float).to_vec())
+                    }
                     named => named.to_string().into(),
                 })
             },

@@ -3,12 +3,13 @@
 use rhai::Engine;
 
 use crate::language::language;
-use crate::{elements, frames};
+use crate::{body, elements, frames};
 
 /// An engine that stops a program after `steps` steps.
 pub fn engine(steps: u64) -> Engine {
     let mut engine = language(steps);
     elements::register(&mut engine);
     frames::register(&mut engine);
+    body::register(&mut engine);
     engine
 }

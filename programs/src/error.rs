@@ -61,7 +61,8 @@ pub(crate) fn words(e: &EvalAltResult) -> (String, Position) {
     let message = match inner {
         EvalAltResult::ErrorRuntime(value, _) => value.to_string(),
         EvalAltResult::ErrorTooManyOperations(_) => {
-            "the program was stopped here: it takes more steps than are allowed (does a loop never end?)".into()
+            "the program was stopped here: it takes more steps than are allowed (does a loop never end?)"
+                .into()
         }
         EvalAltResult::ErrorStackOverflow(_) => {
             format!("functions call each other too deep; allowed: {} levels", crate::limits::CALL_LEVELS)

@@ -61,11 +61,16 @@ impl Work {
         if !self.span.contains(&frame) {
             let t_s = frame as f64 / self.clip.rate_hz;
             let (from_s, to_s) = (self.place.from_s, self.place.to_s);
-            return refuse(format!("frame {frame} is at {t_s:.3} s, outside the span of the edit, {from_s:.3} s to {to_s:.3} s"));
+            return refuse(format!(
+                "frame {frame} is at {t_s:.3} s, outside the span of the edit, {from_s:.3} s to {to_s:.3} s"
+            ));
         }
         if !self.place.allows(dof) {
             let name = dof.name(self.skeleton());
-            return refuse(format!("{name} is not among the `parts` of the edit: {}", self.place.parts.join(", ")));
+            return refuse(format!(
+                "{name} is not among the `parts` of the edit: {}",
+                self.place.parts.join(", ")
+            ));
         }
         let skeleton = self.clip.skeleton.clone();
         dof.write(&skeleton, self.clip.pose_mut(frame), value);
@@ -78,7 +83,8 @@ impl Work {
     fn world(&mut self, frame: usize) -> &Kinematics {
         let skeleton = self.clip.skeleton.clone();
         let clip = &self.clip;
-        let (of, world) = self.world.get_or_insert_with(|| (frame, Kinematics::new(&skeleton, clip.pose(frame))));
+        let (of, world) =
+            self.world.get_or_insert_with(|| (frame, Kinematics::new(&skeleton, clip.pose(frame))));
         if *of != frame {
             world.update(&skeleton, clip.pose(frame));
             *of = frame;
@@ -127,10 +133,19 @@ impl ClipHandle {
     pub(crate) fn new(clip: &Clip, place: &ClipPlace) -> Self {
         let s = &clip.skeleton;
         let dofs = Dof::all(s).into_iter().map(|d| (d.name(s), d)).collect();
-        let covered: Vec<usize> = (0..clip.frames()).filter(|&f| place.covers(f as f64 / clip.rate_hz)).collect();
+        let covered: Vec<usize> =
+            (0..clip.frames()).filter(|&f| place.covers(f as f64 / clip.rate_hz)).collect();
         let span = covered.first().map_or(0..0, |&first| first..first + covered.len());
         let (clip, place) = (clip.clone(), place.clone());
-        Self(Arc::new(RwLock::new(Work { clip, place, span, dofs, world: None, anchors: Vec::new(), notes: Vec::new() })))
+        Self(Arc::new(RwLock::new(Work {
+            clip,
+            place,
+            span,
+            dofs,
+            world: None,
+            anchors: Vec::new(),
+            notes: Vec::new(),
+        })))
     }
 
     /// The clip as it is now. Leaves an empty one behind.
@@ -205,7 +220,8 @@ pub(crate) fn place(s: &Skeleton, name: &str) -> Answer<(usize, Vec3)> {
     match s.site(name) {
         Some(site) => Ok((site.link, site.at)),
         None => {
-            let known = s.links().iter().map(|l| l.name.as_str()).chain(s.sites().iter().map(|s| s.name.as_str()));
+            let known =
+                s.links().iter().map(|l| l.name.as_str()).chain(s.sites().iter().map(|s| s.name.as_str()));
             refuse(format!("there is no link or site `{name}`{}", hint(name, known)))
         }
     }
@@ -222,7 +238,7 @@ pub(crate) fn register(e: &mut Engine) {
         .register_get("duration_s", |c: &mut ClipHandle| read(&c.0).clip.duration_s())
         .register_get("first", |c: &mut ClipHandle| read(&c.0).span.start as i64)
         .register_get("last", |c: &mut ClipHandle| read(&c.0).span.end as i64 - 1)
-        .register_fn("frame", |c: &mut ClipHandle, at: i64| -> Answer<FrameHandle> {
+        .register_indexer_get(|c: &mut ClipHandle, at: i64| -> Answer<FrameHandle> {
             let frame = read(&c.0).frame(at)?;
             Ok(FrameHandle(c.0.clone(), frame))
         })
@@ -245,7 +261,7 @@ pub(crate) fn register(e: &mut Engine) {
         .register_fn("fade", |f: &mut FrameHandle, blend_s: Dynamic| -> Answer<f64> {
             Ok(read(&f.0).fade(f.1, finite("fade", &blend_s)?))
         })
-        .register_fn("joint", |f: &mut FrameHandle, name: &str| -> Answer<JointHandle> {
+        .register_indexer_get(|f: &mut FrameHandle, name: &str| -> Answer<JointHandle> {
             let dof = read(&f.0).dof(name)?;
             Ok(JointHandle(f.0.clone(), f.1, dof))
         })

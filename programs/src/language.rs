@@ -13,9 +13,9 @@ use rhai::packages::{
 use rhai::{Dynamic, Engine, EvalAltResult};
 
 use crate::error::refuse;
+use crate::limits::{CALL_LEVELS, ITEMS, NESTING, TEXT, VARIABLES};
 use crate::noise::{noise, random};
 use crate::values::{list, number, three};
-use crate::limits::{CALL_LEVELS, ITEMS, NESTING, TEXT, VARIABLES};
 
 /// Words that are refused.
 const REFUSED: [&str; 7] = ["eval", "print", "debug", "import", "export", "**", "**="];

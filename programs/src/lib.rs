@@ -19,6 +19,7 @@
 //! text that becomes code. Its steps, the depth of its calls and the size of its values are bounded. What it computes is the
 //! same to the bit everywhere and on any number of threads: functions beyond arithmetic come from `libm`, maps are ordered.
 
+pub mod body;
 pub mod clip_edit;
 pub mod elements;
 pub mod engine;
@@ -28,9 +29,10 @@ pub mod language;
 pub mod limits;
 pub mod noise;
 pub mod program;
+pub mod reaction;
 pub mod track_edit;
 pub mod values;
 
 pub use error::ProgramError;
 pub use program::{Entry, Program};
-//pub use reaction::{Reacted, Reaction};
+pub use reaction::{Reacted, Reaction};

@@ -21,10 +21,9 @@ use rhai::debugger::{DebuggerCommand, DebuggerEvent};
 use rhai::{AST, CallFnOptions, Dynamic, Engine, EvalAltResult, Map, Position, Scope, Stmt, Variant};
 
 use crate::ProgramError;
-use crate::error::words;
 use crate::engine::engine;
+use crate::error::words;
 use crate::limits::START_STEPS;
-use crate::values::shown;
 
 /// What a program may be asked to do.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -76,7 +75,11 @@ impl Program {
     /// # Errors
     /// [`ProgramError::File`]: syntax, unknown variables, functions with other arguments than they are called with, code outside
     /// functions. [`ProgramError::Parameter`]: arguments that the program does not take, or of another kind.
-    pub fn read(file: &Path, text: &str, arguments: &BTreeMap<String, Argument>) -> Result<Self, ProgramError> {
+    pub fn read(
+        file: &Path,
+        text: &str,
+        arguments: &BTreeMap<String, Argument>,
+    ) -> Result<Self, ProgramError> {
         let engine = engine(START_STEPS);
         let ast = engine.compile(text).map_err(|e| {
             let text = e.err_type().to_string();
@@ -106,9 +109,14 @@ impl Program {
         &self.file
     }
 
+    /// Its text.
+    pub fn text(&self) -> &str {
+        &self.text
+    }
+
     /// Its parameters, each with its value as text.
     pub fn parameters(&self) -> Vec<(String, String)> {
-        self.params.iter().map(|(name, value)| (name.to_string(), shown(value))).collect()
+        self.params.iter().map(|(name, value)| (name.to_string(), value.to_string())).collect()
     }
 
     /// Whether it does this.
@@ -162,7 +170,11 @@ impl Program {
             let _ = self.run(&watched, entry, Some(&mut memory), again());
             place = *last.lock().unwrap_or_else(PoisonError::into_inner);
         }
-        Err(if place.is_none() { self.at_function(entry.function().0, message) } else { at(&self.file, place, message) })
+        Err(if place.is_none() {
+            self.at_function(entry.function().0, message)
+        } else {
+            at(&self.file, place, message)
+        })
     }
 
     fn run<T: Variant + Clone>(
@@ -176,7 +188,9 @@ impl Program {
         options.this_ptr = this;
         let arguments = (first, Dynamic::from_map(self.params.clone()));
         let name = entry.function().0;
-        engine.call_fn_with_options::<Dynamic>(options, &mut Scope::new(), &self.ast, name, arguments).map(drop)
+        engine
+            .call_fn_with_options::<Dynamic>(options, &mut Scope::new(), &self.ast, name, arguments)
+            .map(drop)
     }
 
     /// What went wrong in a function, at its place in the file.
@@ -229,7 +243,11 @@ impl Program {
             None => Ok(()),
             Some(f) => Err(self.at_function(
                 name,
-                format!("`{name}` takes {} argument(s); allowed: `fn {name}({})`", f.params.len(), arguments.join(", ")),
+                format!(
+                    "`{name}` takes {} argument(s); allowed: `fn {name}({})`",
+                    f.params.len(),
+                    arguments.join(", ")
+                ),
             )),
         }
     }
@@ -251,7 +269,10 @@ impl Program {
             None => Ok(map),
             Some((key, value)) => Err(self.at_function(
                 name,
-                format!("`{key}` is {}; allowed: numbers, texts, true or false, lists and maps of them", value.type_name()),
+                format!(
+                    "`{key}` is {}; allowed: numbers, texts, true or false, lists and maps of them",
+                    value.type_name()
+                ),
             )),
         }
     }
@@ -262,13 +283,19 @@ impl Program {
             let known: Vec<String> = self.params.keys().map(ToString::to_string).collect();
             let file = self.file.display();
             let near = hint(name, known.iter().map(String::as_str));
-            let list = if known.is_empty() { "it takes none".into() } else { format!("it takes {}", known.join(", ")) };
+            let list = if known.is_empty() {
+                "it takes none".into()
+            } else {
+                format!("it takes {}", known.join(", "))
+            };
             return fault(format!("{file} has no parameter `{name}`{near}; {list}"));
         };
         let expected = |kind: &str| fault(format!("`{name}` takes {kind}; found {given}"));
         let new = match given {
             Argument::Number(x) if old.is_float() && x.is_finite() => Dynamic::from_float(*x),
-            Argument::Number(x) if old.is_int() && x.fract() == 0.0 && x.abs() < 9.0e15 => Dynamic::from_int(*x as i64),
+            Argument::Number(x) if old.is_int() && x.fract() == 0.0 && x.abs() < 9.0e15 => {
+                Dynamic::from_int(*x as i64)
+            }
             Argument::Flag(b) if old.is_bool() => Dynamic::from_bool(*b),
             Argument::Text(text) if old.is_string() => text.clone().into(),
             Argument::List(items) if old.is_array() && items.iter().all(|x| x.is_finite()) => {
@@ -290,7 +317,10 @@ impl Program {
 }
 
 /// An engine that keeps the place of the last statement or expression.
-#[expect(deprecated, reason = "it is not: its author marks what may change in a later release, and ours is fixed")]
+#[expect(
+    deprecated,
+    reason = "it is not: its author marks what may change in a later release, and ours is fixed"
+)]
 fn watching(steps: u64, last: Arc<Mutex<Position>>) -> Engine {
     let mut watched = engine(steps);
     watched.register_debugger(
@@ -319,5 +349,10 @@ pub(crate) fn is_plain(value: &Dynamic) -> bool {
     if let Ok(map) = value.as_map_ref() {
         return map.values().all(is_plain);
     }
-    value.is_unit() || value.is_bool() || value.is_int() || value.is_float() || value.is_string() || value.is_char()
+    value.is_unit()
+        || value.is_bool()
+        || value.is_int()
+        || value.is_float()
+        || value.is_string()
+        || value.is_char()
 }

@@ -26,9 +26,7 @@ pub(crate) fn number(value: &Dynamic) -> Option<f64> {
 
 /// Three numbers of a list.
 pub(crate) fn three(what: &str, value: &Dynamic) -> Result<[f64; 3], Box<EvalAltResult>> {
-    let fault = || {
-        refuse(format!("{what} takes a list of three numbers, [x, y, z]; found {}", shown(value)))
-    };
+    let fault = || refuse(format!("{what} takes a list of three numbers, [x, y, z]; found {}", shown(value)));
     let Ok(list) = value.as_array_ref() else { return fault() };
     let mut out = [0.0; 3];
     if list.len() != 3 {

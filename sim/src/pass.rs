@@ -67,6 +67,8 @@ pub struct Outcome {
     pub fall: Option<Fall>,
     /// How the motion was performed.
     pub verdict: Verdict,
+    /// What reactive properties did, a line each.
+    pub reactive: Vec<String>,
     /// Tension of the stance legs, where it is not what was asked.
     pub leg_tension: Vec<LegTension>,
     /// Why the run stopped early.
@@ -331,6 +333,7 @@ impl Run {
             fell_s: self.fell_s,
             fall,
             verdict,
+            reactive: controller.reactive_lines(),
             leg_tension: plan.leg_tension.clone(),
             diverged: self.diverged,
             ledger: self.engine.ledger().copied(),

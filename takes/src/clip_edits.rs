@@ -12,6 +12,8 @@ use motion::{Dof, Joint, TimeMap, Tracks};
 use scenes::SceneError;
 use scenes::scene::{EditKind, Scene, StoredEdit};
 
+use crate::user_programs::{clip_program, edit_fault};
+
 /// A motion after the clip edits of its scene.
 pub(crate) struct Clips {
     /// The motion.
@@ -27,13 +29,16 @@ pub(crate) struct Clips {
 pub(crate) fn apply(scene: &Scene, mut motion: Motion, log: &mut EditLog) -> Result<Clips, SceneError> {
     let mut changed = false;
     for e in &scene.edits {
-        let fault = |x: &dyn std::error::Error| scene.source.error(&e.at, x.to_string());
         let edited = match &e.kind {
             EditKind::Track(_) => continue,
             EditKind::Clip(edit) => edit.apply(&motion, &e.place, log),
             EditKind::Stored(stored) => open(stored, scene, &e.at)?.apply(&motion, &e.place, log),
+            EditKind::Program(_) => match clip_program(scene, e)? {
+                Some(program) => ClipEdit::apply(&program, &motion, &e.place, log),
+                None => continue,
+            },
         }
-        .map_err(|x| fault(&x))?;
+        .map_err(|x| edit_fault(scene, &e.at, x))?;
         changed |= edited.clip != motion.clip || !edited.times.is_identity();
         motion = motion.with(edited);
     }

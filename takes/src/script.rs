@@ -9,20 +9,21 @@
 use crate::conditions::begin_in_time;
 use controllers::{Dense, DenseJoint};
 use dynamics::conditions::RootMode;
-use edits::{EditLog, Motion, Where};
+use edits::{EditLog, Motion, TrackEdit, Where};
 use motion::plant::{Knee, Plant};
 use motion::{
     Contact, ContactPlan, Dof, Element, Floor, Joint, LimbKind, TimeMap, Timing, Tracks, Transform,
 };
 use nalgebra::Translation3;
 use scenes::SceneError;
-use scenes::scene::{EditKind, Scene, SceneEdit, ScriptSpec};
+use scenes::scene::{EditKind, Scene, SceneEdit, ScriptSpec, may_edit_tracks};
 
 use crate::clip_edits::{self, Clips};
 use crate::error::{MOST_STEPS, too_long};
 use crate::ignored::ignored;
 use crate::possible::{Finished, Sampler};
 use crate::take::{Asked, Body, Source, Take, USUAL_RATE_HZ};
+use crate::user_programs::{edit_fault, reactions, track_program};
 use crate::{Ask, Conditions};
 
 /// Frames per second of a script that says nothing about it, Hz.
@@ -38,8 +39,29 @@ pub fn edited_tracks(scene: &Scene, script: &ScriptSpec) -> Result<(Tracks, Trac
     let plain = script.script.build(skeleton, &scene.character.rest).map_err(|e| whole(&e))?;
     let mut tracks = plain.clone();
     let mut log = EditLog::default();
+    let mut after = None;
     for e in &scene.edits {
-        let EditKind::Track(edit) = &e.kind else { continue };
+        let program;
+        let edit: &dyn TrackEdit = match &e.kind {
+            EditKind::Track(edit) => edit.as_ref(),
+            EditKind::Program(_) => match track_program(scene, e, after)? {
+                Some(found) => {
+                    program = found;
+                    &program
+                }
+                None => {
+                    after = Some(e.kind.name());
+                    continue;
+                }
+            },
+            EditKind::Clip(_) | EditKind::Stored(_) => {
+                after = Some(e.kind.name());
+                continue;
+            }
+        };
+        if let (EditKind::Track(_), Some(_)) = (&e.kind, after) {
+            may_edit_tracks(&scene.source, e, after, &scene.motion)?;
+        }
         let fault = |field: &str, text: String| scene.source.error(&format!("{}{field}", e.at), text);
         let selectors = e.place.selectors().map_err(|x| fault(".on", x.to_string()))?;
         for (i, selector) in selectors.into_iter().enumerate() {
@@ -47,7 +69,7 @@ pub fn edited_tracks(scene: &Scene, script: &ScriptSpec) -> Result<(Tracks, Trac
             if selection.is_empty() && !selection.is_whole_script() {
                 return Err(fault(".on", nothing_selected(&tracks, e, i)));
             }
-            edit.apply(&mut tracks, &selection, &mut log).map_err(|x| fault("", x.to_string()))?;
+            edit.apply(&mut tracks, &selection, &mut log).map_err(|x| edit_fault(scene, &e.at, x))?;
         }
     }
     Ok((plain, tracks, log))
@@ -146,7 +168,7 @@ pub(crate) fn take(scene: &Scene, script: &ScriptSpec, ask: &Ask) -> Result<Take
         },
         unedited,
         log,
-        conditions: Conditions::resolve(&scene.conditions, &times, ground),
+        conditions: Conditions::resolve(&scene.conditions, reactions(scene)?, &times, ground),
         strip: scene.strip,
         tune: scene.tune.clone(),
         files: scene.files.clone(),

@@ -26,7 +26,9 @@ fn succession_written_again_is_the_same() {
     let text = include_str!("../../../scenes/programs/succession.rhai");
     let code = text.lines().filter(|l| !l.trim_start().starts_with("//") && !l.is_empty()).count();
     assert!(code <= 30, "{code} lines");
-    for (reverse, on, offset_s) in [(false, "", 0.07), (true, "", 0.07), (false, "bow", 0.3), (true, "wave", 0.31)] {
+    for (reverse, on, offset_s) in
+        [(false, "", 0.07), (true, "", 0.07), (false, "bow", 0.3), (true, "wave", 0.31)]
+    {
         let arguments = [("offset_s", Argument::Number(offset_s)), ("reverse", Argument::Flag(reverse))];
         let own = read(text, &arguments).unwrap();
         let built_in = if reverse { Succession::reverse(offset_s) } else { Succession::forward(offset_s) };
@@ -57,16 +59,28 @@ fn fields_are_read_and_written() {
     let before = dance();
     let (after, log) = edited(text, "").unwrap();
     for ((_, a), (_, b)) in before.elements().zip(after.elements()) {
-        assert_eq!((a.start_s + 0.25, a.duration_s * 2.0, 1.0, a.tension * 3.0), (b.start_s, b.duration_s, b.hold_s, b.tension));
+        assert_eq!(
+            (a.start_s + 0.25, a.duration_s * 2.0, 1.0, a.tension * 3.0),
+            (b.start_s, b.duration_s, b.hold_s, b.tension)
+        );
         assert_eq!(a.end, b.end);
         assert_ne!(a.curve, b.curve);
     }
     assert!((after.duration_s - before.duration_s).abs() > 0.1);
     let words = log.to_string();
-    for field in ["start by program (edit 0)", "duration by program", "curve by program", "tension by program", "mine.rhai"] {
+    for field in [
+        "start by program (edit 0)",
+        "duration by program",
+        "curve by program",
+        "tension by program",
+        "mine.rhai",
+    ] {
         assert!(words.contains(field), "{field}: {words}");
     }
-    assert!(words.contains(&format!("{} of {} tracks", before.elements().count(), before.tracks.len())), "{words}");
+    assert!(
+        words.contains(&format!("{} of {} tracks", before.elements().count(), before.tracks.len())),
+        "{words}"
+    );
 }
 
 /// Ends are in degrees, those of balls as scenes write them; a value written back unchanged is unchanged to the bit.
@@ -93,8 +107,12 @@ fn ends_are_in_degrees() {
 #[test]
 fn faults_have_their_place() {
     for (body, message, place) in [
-        ("for e in script { e.start_s = 0.0 / 0.0; }", "start_s is NaN; allowed: a finite number", "mine.rhai:2:25"),
-        ("script.element(\"wavy_0_1\");", "there is no element with the label `wavy_0_1`", "mine.rhai:2:12"),
+        (
+            "for e in script { e.start_s = 0.0 / 0.0; }",
+            "start_s is NaN; allowed: a finite number",
+            "mine.rhai:2:25",
+        ),
+        ("let e = script[\"wavy_0_1\"];", "there is no element with the label `wavy_0_1`", "mine.rhai:2:"),
         ("script.under(\"wavy\");", "unknown label `wavy`", "mine.rhai:2:12"),
         ("for e in script { e.duration_s = -1; }", "duration_s is -1; allowed: 0 or more", "mine.rhai:2:25"),
         ("for e in script { e.end_m = 1; }", "is a", "mine.rhai:2:"),

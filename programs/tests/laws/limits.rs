@@ -7,7 +7,9 @@ use crate::{program, read, refused};
 
 /// What comes of a body of `fn elements`, the second line of its file.
 fn ran(body: &str) -> Result<(), String> {
-    let text = format!("fn elements(script, params) {{\n{body}\n}}\nfn deeper(n) {{ deeper(n + 1) }}\nfn hold(x) {{ x }}");
+    let text = format!(
+        "fn elements(script, params) {{\n{body}\n}}\nfn deeper(n) {{ deeper(n + 1) }}\nfn hold(x) {{ x }}"
+    );
     let program = read(&text, &[]).map_err(|e| e.to_string())?;
     let mut tracks = dance();
     let selection = Selector::default().select(&tracks).unwrap();
@@ -17,9 +19,17 @@ fn ran(body: &str) -> Result<(), String> {
 /// A loop without end is stopped, and its line is named.
 #[test]
 fn an_endless_loop_is_named() {
-    for body in ["loop { }", "let x = 1;\nloop { x += 1; }", "let i = 0; while i < 1 { i -= 1; }", "let r = 0..9000000000000; for i in r { }"] {
+    for body in [
+        "loop { }",
+        "let x = 1;\nloop { x += 1; }",
+        "let i = 0; while i < 1 { i -= 1; }",
+        "let r = 0..9000000000000; for i in r { }",
+    ] {
         let said = ran(body).unwrap_err();
-        let line = 2 + body.lines().position(|l| l.contains("loop") || l.contains("while") || l.contains("for")).unwrap();
+        let line = 2 + body
+            .lines()
+            .position(|l| l.contains("loop") || l.contains("while") || l.contains("for"))
+            .unwrap();
         assert!(said.contains("takes more steps than are allowed"), "{body}: {said}");
         assert!(said.contains(&format!("mine.rhai:{line}:")), "{body}: {said}");
     }
@@ -82,10 +92,16 @@ fn sizes_and_depths_are_bounded() {
 #[test]
 fn parameters_are_checked() {
     let text = "fn params() { #{ amount_deg: 2.0, times: 3, on: true, parts: [\"a\"], name: \"x\" } }\nfn elements(script, params) { }";
-    let set = |name: &str, value: Argument| read(text, &[(name, value)]).map(|p| p.parameters()).map_err(|e| e.to_string());
+    let set = |name: &str, value: Argument| {
+        read(text, &[(name, value)]).map(|p| p.parameters()).map_err(|e| e.to_string())
+    };
     assert!(set("amount_deg", Argument::Number(3.0)).unwrap().contains(&("amount_deg".into(), "3.0".into())));
     for (name, value, message) in [
-        ("amout_deg", Argument::Number(1.0), "mine.rhai has no parameter `amout_deg`; did you mean `amount_deg`?"),
+        (
+            "amout_deg",
+            Argument::Number(1.0),
+            "mine.rhai has no parameter `amout_deg`; did you mean `amount_deg`?",
+        ),
         ("times", Argument::Number(1.5), "`times` takes a whole number; found 1.5"),
         ("on", Argument::Number(1.0), "`on` takes true or false; found 1"),
         ("amount_deg", Argument::Number(f64::NAN), "`amount_deg` takes a finite number; found NaN"),
@@ -103,9 +119,21 @@ fn texts_are_checked_when_they_are_read() {
     for (text, message, place) in [
         ("fn elements(script, params) {\n  let x = ;\n}", "", "mine.rhai:2:11"),
         ("fn elements(script, params) {\n  script.note(nme);\n}", "nme", "mine.rhai:2:15"),
-        ("fn elements(script) { }", "`elements` takes 1 argument(s); allowed: `fn elements(script, params)`", "mine.rhai:1:1"),
-        ("\nconst AMOUNT = 3;\nfn elements(script, params) { }", "this is outside functions", "mine.rhai:2:1"),
-        ("fn params() { 3 }\nfn elements(script, params) { }", "`params` gives i64; allowed: a map", "mine.rhai:1:1"),
+        (
+            "fn elements(script) { }",
+            "`elements` takes 1 argument(s); allowed: `fn elements(script, params)`",
+            "mine.rhai:1:1",
+        ),
+        (
+            "\nconst AMOUNT = 3;\nfn elements(script, params) { }",
+            "this is outside functions",
+            "mine.rhai:2:1",
+        ),
+        (
+            "fn params() { 3 }\nfn elements(script, params) { }",
+            "`params` gives i64; allowed: a map",
+            "mine.rhai:1:1",
+        ),
         ("fn params() { loop { } }", "more steps than are allowed", "mine.rhai:1:"),
     ] {
         let said = refused(text);
@@ -114,5 +142,7 @@ fn texts_are_checked_when_they_are_read() {
     let mut tracks = dance();
     let selection = Selector::default().select(&tracks).unwrap();
     let said = program("fn react(body, params) { }").apply(&mut tracks, &selection, &mut EditLog::default());
-    assert!(said.unwrap_err().to_string().contains("needs `fn elements(script, params)`; its functions: react"));
+    assert!(
+        said.unwrap_err().to_string().contains("needs `fn elements(script, params)`; its functions: react")
+    );
 }

@@ -4,8 +4,10 @@
 #[allow(dead_code)]
 mod body;
 
+mod clips;
 mod elements;
 mod limits;
+mod reactions;
 
 use std::collections::BTreeMap;
 use std::path::Path;

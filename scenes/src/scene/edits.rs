@@ -16,8 +16,8 @@ use edits::{
 };
 
 use super::{Check, SceneSource};
-use crate::SceneError;
-use crate::schema::{EditRon, ParameterRon};
+use crate::schema::{ArgumentRon, EditRon, ParameterRon};
+use crate::{ProgramSpec, SceneError, Source};
 
 /// What an edit of a scene changes.
 pub enum EditKind {
@@ -27,6 +27,8 @@ pub enum EditKind {
     Clip(Box<dyn ClipEdit + Send + Sync>),
     /// The same, by what a file holds; nothing is opened here.
     Stored(StoredEdit),
+    /// What a program of the user changes: its file says which of the two.
+    Program(ProgramSpec),
 }
 
 /// A clip edit that a file holds.
@@ -89,12 +91,13 @@ impl EditKind {
             Self::Track(edit) => edit.name(),
             Self::Clip(edit) => edit.name(),
             Self::Stored(edit) => edit.name(),
+            Self::Program(_) => "program",
         }
     }
 
-    /// Whether it changes a sampled motion.
+    /// Whether it is known to change a sampled motion; of a program only its file says it.
     pub fn is_of_clips(&self) -> bool {
-        !matches!(self, Self::Track(_))
+        matches!(self, Self::Clip(_) | Self::Stored(_))
     }
 }
 
@@ -122,32 +125,28 @@ impl Check<'_> {
         Ok(out)
     }
 
-    /// Track edits need a script, and one that no clip edit has changed.
     fn may_edit_tracks(
         &self,
         edit: &SceneEdit,
         before: &[SceneEdit],
         source: &SceneSource,
     ) -> Result<(), SceneError> {
-        let name = edit.kind.name();
-        let refused = |why: String| self.source.error(&edit.at, why);
-        if source.script().is_none() {
-            let why = format!(
-                "the edit `{name}` changes the poses of a script; the motion of this scene is: {}",
-                source.describe()
-            );
-            return Err(
-                refused(why).with_help("edits of any motion: Warp, PoseDelta, TimeDelta, ByExample, Style")
-            );
-        }
-        match before.iter().find(|b| b.kind.is_of_clips()) {
-            None => Ok(()),
-            Some(clip) => Err(refused(format!(
-                "the edit `{name}` changes the script, but `{}` before it changes what was sampled from the script; \
-                 allowed: edits of the script first",
-                clip.kind.name()
-            ))),
-        }
+        let clip = before.iter().find(|b| b.kind.is_of_clips()).map(|b| b.kind.name());
+        may_edit_tracks(self.source, edit, clip, source)
+    }
+
+    /// A program.
+    pub(crate) fn program(
+        &self,
+        at: &str,
+        file: &str,
+        params: &BTreeMap<String, ArgumentRon>,
+    ) -> Result<ProgramSpec, SceneError> {
+        Ok(ProgramSpec {
+            file: self.source.beside(&format!("{at}.file"), "program", file)?,
+            params: params.iter().map(|(name, value)| (name.clone(), value.0.clone())).collect(),
+            at: at.into(),
+        })
     }
 
     fn edit(&self, at: &str, e: &EditRon) -> Result<SceneEdit, SceneError> {
@@ -161,6 +160,7 @@ impl Check<'_> {
             | EditRon::ByExample { on, repetition, parts, span_s, .. }
             | EditRon::PoseDelta { on, repetition, parts, span_s, .. }
             | EditRon::Style { on, repetition, parts, span_s, .. }
+            | EditRon::Program { on, repetition, parts, span_s, .. }
             | EditRon::TimeDelta { on, repetition, parts, span_s, .. } => (on, repetition, parts, *span_s),
         };
         let track = |edit: Box<dyn TrackEdit + Send + Sync>| EditKind::Track(edit);
@@ -230,6 +230,7 @@ impl Check<'_> {
                     names: names.clone(),
                 })))
             }
+            EditRon::Program { file, params, .. } => EditKind::Program(self.program(at, file, params)?),
             EditRon::Warp { times_s, .. } => EditKind::Clip(Box::new(Warp { anchors: times_s.clone() })),
         };
         let on = on.split(',').map(|text| text.trim().to_owned()).collect();
@@ -237,6 +238,36 @@ impl Check<'_> {
         // a repetition of something that has none is a fault of the text
         place.places().map_err(|e| self.source.error(&format!("{at}.on"), e.to_string()))?;
         Ok(SceneEdit { kind, place, at: at.into() })
+    }
+}
+
+/// Track edits need a script, and one that no clip edit has changed; `clip`: the name of a clip edit before it.
+///
+/// # Errors
+/// At the edit.
+pub fn may_edit_tracks(
+    text: &Source,
+    edit: &SceneEdit,
+    clip: Option<&str>,
+    source: &SceneSource,
+) -> Result<(), SceneError> {
+    let name = edit.kind.name();
+    let refused = |why: String| text.error(&edit.at, why);
+    if source.script().is_none() {
+        let why = format!(
+            "the edit `{name}` changes the poses of a script; the motion of this scene is: {}",
+            source.describe()
+        );
+        return Err(refused(why).with_help(
+            "edits of any motion: Warp, PoseDelta, TimeDelta, ByExample, Style, a Program with `fn clip`",
+        ));
+    }
+    match clip {
+        None => Ok(()),
+        Some(clip) => Err(refused(format!(
+            "the edit `{name}` changes the script, but `{clip}` before it changes what was sampled from the script; \
+             allowed: edits of the script first"
+        ))),
     }
 }
 

@@ -29,7 +29,7 @@ use crate::conditions::ConditionsSpec;
 use crate::schema::SceneRon;
 use crate::{Patch, SceneError, Source, StripSpec, TuneSpec, character_file, library};
 
-pub use edits::{EditKind, SceneEdit, StoredEdit, StyleSpec};
+pub use edits::{EditKind, SceneEdit, StoredEdit, StyleSpec, may_edit_tracks};
 pub use motion::{RetargetSpec, SceneSource};
 pub use script::ScriptSpec;
 
@@ -95,10 +95,12 @@ pub fn parse(source: Source, name: String) -> Result<Scene, SceneError> {
     let edits = check.edits(&ron.edits, &motion)?;
     files.extend(edits.iter().filter_map(|e| match &e.kind {
         EditKind::Stored(stored) => Some(stored.file().clone()),
+        EditKind::Program(program) => Some(program.file.clone()),
         EditKind::Track(_) | EditKind::Clip(_) => None,
     }));
-    files.retain(|file| !library::is_location(file));
     let conditions = check.conditions(&ron, physics)?;
+    files.extend(conditions.programs.iter().map(|program| program.file.clone()));
+    files.retain(|file| !library::is_location(file));
     let rate = |x| check.within("rate_hz", x, 1.0, 1000.0, "Hz");
     let rate_hz = ron.rate_hz.map(rate).transpose()?;
     if ron.strip.figures < 2 || ron.strip.figures > 40 {
