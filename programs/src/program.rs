@@ -155,12 +155,12 @@ impl Program {
         &self,
         engine: &Engine,
         entry: Entry,
-        mut this: Option<&mut Dynamic>,
+        this: Option<&mut Dynamic>,
         first: T,
         again: impl FnOnce() -> T,
     ) -> Result<(), ProgramError> {
         let before = this.as_deref().cloned();
-        let Err(e) = self.run(engine, entry, this.as_deref_mut(), first) else { return Ok(()) };
+        let Err(e) = self.run(engine, entry, this, first) else { return Ok(()) };
         let (message, mut place) = words(&e);
         if e.is_system_exception() {
             let last = Arc::new(Mutex::new(Position::NONE));
