@@ -1,7 +1,7 @@
 //! Lists the files of the library, so that a new scene is one new file and nothing else.
 //!
-//! In: every `*.ron` and every learned edit (`*.edit`) in this folder and in the folders directly below it. Out: `library.rs` in `OUT_DIR`, the
-//! tables `ENTRIES` and `DATA` of `src/library.rs`: files of this folder first (as `scenes/NAME.ron`), then folder by folder, sorted.
+//! In: every `*.ron`, program (`*.rhai`) and learned edit (`*.edit`) in this folder and in the folders directly below it. Out: `library.rs`
+//! in `OUT_DIR`, the tables `ENTRIES` and `DATA` of `src/library.rs`: files of this folder first (as `scenes/NAME.ron`), then folder by folder, sorted.
 //!
 //! Cargo runs it again when anything in the folder changes, a file added or removed included.
 
@@ -27,7 +27,7 @@ fn main() -> io::Result<()> {
         for file in children(&path)? {
             let name = format!("{folder}/{}", name_of(&file));
             let is = |ending: &str| file.is_file() && file.extension().is_some_and(|e| e == ending);
-            if is("ron") {
+            if is("ron") || is("rhai") {
                 table += &format!("    Entry {{ path: {name:?}, text: include_str!({file:?}) }},\n");
             }
             if is("edit") {

@@ -1,7 +1,7 @@
 //! The arrows of the architecture (DESIGN §2), from `cargo metadata`.
 //!
 //! A crate uses only what its row of the table allows, always from rows above its own; only `sim` names
-//! rapier, only `plots` plotters, and all share one nalgebra.
+//! rapier, only `plots` plotters, only `programs` rhai, and all share one nalgebra.
 
 use std::collections::BTreeMap;
 
@@ -41,7 +41,7 @@ const TABLE: [(&str, usize, May); 20] = [
 ];
 const DOOR: May = Use(&["crosscheck", "studies", "takes", "plots", "formats", "motion"]);
 /// What the tests, examples and benches of a crate may use besides: development dependencies.
-const FOR_TESTS: [(&str, &[&str]); 1] = [("retarget", &["formats"])];
+const FOR_TESTS: [(&str, &[&str]); 2] = [("retarget", &["formats"]), ("programs", &["bodies", "sim"])];
 /// What the tests of every crate may use, and nothing else: where data lie. It uses none of them.
 const SUPPORT: &str = "support";
 /// A crate that is for tests alone, and so may use [`SUPPORT`] outside its own.
@@ -138,6 +138,7 @@ fn engines_and_pictures_have_one_door() {
     assert_eq!(users("rapier"), ["sim"]);
     assert_eq!(users("parry"), [""; 0]);
     assert_eq!(users("plotters"), ["plots"]);
+    assert_eq!(users("rhai"), ["programs"]);
 }
 
 /// Vectors of different nalgebras are different types. The lock file names every package once a version.

@@ -167,6 +167,11 @@ fn write_scene(out: &mut String, s: &SceneInspection) -> std::fmt::Result {
     }
     writeln!(out)?;
     write_elements(out, &s.elements)?;
+    for p in &s.programs {
+        let params: Vec<String> = p.params.iter().map(|(name, value)| format!("{name}: {value}")).collect();
+        let params = if params.is_empty() { "no parameters".into() } else { params.join(", ") };
+        writeln!(out, "\nprogram {} (fn {}): {params}", p.file, p.does)?;
+    }
     if !s.edits.is_empty() {
         let edits: Vec<String> = s.edits.iter().enumerate().map(|(i, e)| format!("{i} {e}")).collect();
         writeln!(out, "\nedits, in order: {}", edits.join(", "))?;

@@ -330,6 +330,13 @@ fn performed(out: &mut String, d: &DynamicReport) -> std::fmt::Result {
         };
         line(out, "gaze", format!("at ({}, {}, {}) m: {missed}", number(x), number(y), number(z)))?;
     }
+    const SHOWN: usize = 8;
+    for (i, text) in d.reactive.iter().take(SHOWN).enumerate() {
+        line(out, if i == 0 { "program" } else { "" }, text.clone())?;
+    }
+    if d.reactive.len() > SHOWN {
+        line(out, "", format!("and {} more joints in report.json", d.reactive.len() - SHOWN))?;
+    }
     line(
         out,
         "simulation",

@@ -11,12 +11,11 @@
 //! row of the goal. DESIGN §4.
 
 use dynamics::{ContactSample, Model, State};
-use motion::ik::IkError;
 
 use crate::balance::Balance;
 use crate::feed;
 use crate::plan::{JointControl, Plan, Sagging};
-use crate::reactive::{ControlStep, Impedance, Reactive};
+use crate::reactive::{ControlStep, Impedance, Reactive, ReactiveError};
 use crate::support::{Foot, polygon, wrenches};
 use crate::{Drive, Goal, Rest, rest_of};
 
@@ -92,6 +91,11 @@ impl Controller {
         all
     }
 
+    /// What reactive properties did, a line each.
+    pub fn reactive_lines(&self) -> Vec<String> {
+        self.reactive.iter().flat_map(|property| property.lines()).collect()
+    }
+
     /// Drives of the last step.
     pub fn drives(&self) -> &[Drive] {
         &self.drives
@@ -106,8 +110,8 @@ impl Controller {
     /// Drives for the step that ends at `row`, from the simulated state `q`, `v` at its start.
     ///
     /// # Errors
-    /// Planted limbs that two-bone IK cannot solve.
-    pub fn step(&mut self, row: usize, q: &[f64], v: &[f64]) -> Result<&[Drive], IkError> {
+    /// Planted limbs that two-bone IK cannot solve; programs of the user that fail.
+    pub fn step(&mut self, row: usize, q: &[f64], v: &[f64]) -> Result<&[Drive], ReactiveError> {
         let dt = 1.0 / self.plan.goal.rate_hz;
         let t = row as f64 * dt;
         self.carry(t);

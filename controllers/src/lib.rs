@@ -48,6 +48,6 @@ pub use goal::Goal;
 pub use parameters::{PARAMETERS, Parameter, Tunable, parameter};
 pub use plan::dense::{Dense, DenseJoint};
 pub use plan::{LegTension, Plan, Sagging, Setup};
-pub use reactive::{ControlStep, Impedance, Reactive};
+pub use reactive::{ControlStep, Impedance, Reactive, ReactiveError};
 pub use tension::{Need, StanceLeg, TensionScale};
 pub use transition::GainBlend;

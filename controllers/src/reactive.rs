@@ -7,9 +7,12 @@
 //!
 //! In: the trait. Out: drives. No engine and no clock: time is in the step, memory in the property.
 
+use std::path::PathBuf;
+
 use dynamics::{ContactSample, Model, State};
 use motion::ik::IkError;
 use motion::{Joint, Vec3};
+use thiserror::Error;
 
 use crate::antagonist::SetPoints;
 use crate::{Drive, Feed, Rest};
@@ -52,13 +55,38 @@ pub struct ControlStep<'a> {
     pub dt: f64,
 }
 
+/// Why a reactive property cannot answer.
+#[derive(Clone, Debug, PartialEq, Error)]
+pub enum ReactiveError {
+    /// A limb that two-bone IK cannot solve.
+    #[error(transparent)]
+    Ik(#[from] IkError),
+    /// A program of the user.
+    #[error("{message}\n  --> {}:{line}:{column}", file.display())]
+    Program {
+        /// Its file.
+        file: PathBuf,
+        /// Line, from 1.
+        line: usize,
+        /// Column, from 1.
+        column: usize,
+        /// What was found and what is allowed.
+        message: String,
+    },
+}
+
 /// A reactive movement property. See the module header.
 pub trait Reactive: Send {
     /// Adjusts `drives` (per body) for the next step.
     ///
     /// # Errors
-    /// Limbs that two-bone IK cannot solve.
-    fn react(&mut self, step: &ControlStep<'_>, drives: &mut [Drive]) -> Result<(), IkError>;
+    /// Limbs that two-bone IK cannot solve; programs of the user that fail.
+    fn react(&mut self, step: &ControlStep<'_>, drives: &mut [Drive]) -> Result<(), ReactiveError>;
+
+    /// What it did in the run so far, a line each, for reports.
+    fn lines(&self) -> Vec<String> {
+        Vec::new()
+    }
 }
 
 /// Time by which a goal is moved on to find the joint rates of its path, s.

@@ -1,5 +1,7 @@
 //! What can be wrong with an edit, in words an animator can act on.
 
+use std::path::PathBuf;
+
 use motion::fit::FitError;
 use motion::ik::IkError;
 use motion::ik::pose::PoseError;
@@ -310,6 +312,18 @@ pub enum EditError {
     /// An edit by example that does not fit.
     #[error("by example: {0}")]
     Example(#[from] ExampleError),
+    /// A program of the user.
+    #[error("{message}\n  --> {}:{line}:{column}", file.display())]
+    Program {
+        /// Its file.
+        file: PathBuf,
+        /// Line, from 1.
+        line: usize,
+        /// Column, from 1.
+        column: usize,
+        /// What was found and what is allowed.
+        message: String,
+    },
     /// A style that does not fit.
     #[error("style: {0}")]
     Style(Box<crate::style::error::StyleError>),

@@ -14,6 +14,7 @@
 //! | [`place`] | where edits of both kinds apply |
 //! | [`selector`] | what an edit applies to: script, action, cycle, repetition, pose, element, body part |
 //! | [`param`] | parameters: constants, curves over time or repetition, one value for each pose |
+//! | [`argument`] | what a scene gives to a program of the user |
 //! | [`log`] | which edits changed each element and joint, by how much; conflicts |
 //! | [`clip_change`] | what a clip edit changed: when, which joints, by how much |
 //! | [`succession`] | joints start one after another along the body |
@@ -60,6 +61,7 @@
 //! NF03: Neff, Fiume. Aesthetic edits for character animation. SCA 2003.
 
 pub mod amplitude;
+pub mod argument;
 pub mod by_example;
 pub mod clip_change;
 pub mod clip_edit;
@@ -86,6 +88,7 @@ pub mod track_edit;
 pub mod warp;
 
 pub use amplitude::{Amplitude, Reference};
+pub use argument::Argument;
 pub use by_example::{ByExample, ExampleEdit, ExampleError};
 pub use clip_change::{ClipChange, JointChange, Largest};
 pub use clip_edit::ClipEdit;

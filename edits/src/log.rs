@@ -66,12 +66,29 @@ struct Write {
     by: String,
 }
 
+/// What was written to one element.
+#[derive(Clone, Debug, PartialEq)]
+struct Writes {
+    /// Its label with the DOF's name.
+    name: String,
+    /// The edits that wrote each field, in order; fields in order.
+    fields: Vec<(Field, Vec<Write>)>,
+}
+
+impl Writes {
+    fn add(&mut self, field: Field, write: Write) {
+        match self.fields.binary_search_by_key(&field, |f| f.0) {
+            Ok(at) => self.fields[at].1.push(write),
+            Err(at) => self.fields.insert(at, (field, vec![write])),
+        }
+    }
+}
+
 /// What the edits did. See the module header.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct EditLog {
     edits: Vec<&'static str>,
-    writes: BTreeMap<Label, BTreeMap<Field, Vec<Write>>>,
-    names: BTreeMap<Label, String>,
+    writes: BTreeMap<Label, Writes>,
     base_tension: BTreeMap<String, Vec<usize>>,
     clamped: Vec<(usize, Label)>,
     clip_changes: Vec<ClipChange>,
@@ -86,27 +103,28 @@ impl EditLog {
 
     /// The edit that last wrote any field of an element: its index and name.
     pub fn last_writer(&self, label: &Label) -> Option<(usize, &'static str)> {
-        let last = self.writes.get(label)?.values().filter_map(|w| Some(w.last()?.edit)).max()?;
+        let fields = &self.writes.get(label)?.fields;
+        let last = fields.iter().filter_map(|(_, w)| Some(w.last()?.edit)).max()?;
         Some((last, self.edits[last]))
     }
 
     /// The fields of an element that were written, each with the edit that last did.
     pub fn fields(&self, label: &Label) -> impl Iterator<Item = (Field, usize)> {
-        let fields = self.writes.get(label).into_iter().flatten();
+        let fields = self.writes.get(label).into_iter().flat_map(|w| &w.fields);
         fields.filter_map(|(field, writes)| Some((*field, writes.last()?.edit)))
     }
 
     /// All elements written by the edit of this index, in order.
     pub fn written_by(&self, edit: usize) -> Vec<&Label> {
-        let wrote = |fields: &BTreeMap<Field, Vec<Write>>| fields.values().flatten().any(|w| w.edit == edit);
-        self.writes.iter().filter(|(_, fields)| wrote(fields)).map(|(label, _)| label).collect()
+        let wrote = |writes: &Writes| writes.fields.iter().flat_map(|(_, w)| w).any(|w| w.edit == edit);
+        self.writes.iter().filter(|(_, writes)| wrote(writes)).map(|(label, _)| label).collect()
     }
 
     /// Fields that more than one edit wrote.
     pub fn conflicts(&self) -> Vec<Conflict> {
         let mut found = Vec::new();
-        for (label, fields) in &self.writes {
-            for (field, writes) in fields {
+        for (label, element) in &self.writes {
+            for (field, writes) in &element.fields {
                 if writes.len() > 1 {
                     let edits = writes.iter().map(|w| w.edit).collect();
                     found.push(Conflict { label: label.clone(), field: *field, edits });
@@ -196,19 +214,31 @@ impl EditLog {
     /// Records every difference between the tracks before and after the edit begun last.
     pub(crate) fn record(&mut self, before: &Tracks, after: &Tracks) {
         let edit = self.current();
-        let old: BTreeMap<&Label, &Element> = before.elements().map(|(_, e)| (&e.label, e)).collect();
+        let skeleton = &after.skeleton;
+        let dofs: Vec<String> = Dof::all(skeleton).iter().map(|d| d.name(skeleton)).collect();
+        // most edits leave elements in their places; labels are looked up only where one did not
+        let mut by_label: Option<BTreeMap<&Label, &Element>> = None;
+        let mut old = before.elements().map(|(_, e)| e);
         for (dof, e) in after.elements() {
-            let created = || vec![(Field::Created, String::new())];
+            let was = old.next().filter(|o| o.label == e.label).or_else(|| {
+                let all = || before.elements().map(|(_, e)| (&e.label, e)).collect();
+                by_label.get_or_insert_with(all).get(&e.label).copied()
+            });
             let metres = match dof {
                 Dof::Coordinate(..) => true,
-                Dof::Axis(link) => matches!(after.skeleton.links()[link].joint, Joint::Prismatic(_)),
+                Dof::Axis(link) => matches!(skeleton.links()[link].joint, Joint::Prismatic(_)),
                 Dof::Rotation(_) => false,
             };
-            for (field, by) in old.get(&e.label).map_or_else(created, |o| differing(o, e, metres)) {
-                let writes = self.writes.entry(e.label.clone()).or_default().entry(field).or_default();
-                writes.push(Write { edit, by });
-                self.names.entry(e.label.clone()).or_insert_with(|| e.label.named(&after.skeleton));
+            let created = || vec![(Field::Created, String::new())];
+            let fields = was.map_or_else(created, |o| differing(o, e, metres));
+            if fields.is_empty() {
+                continue;
             }
+            let writes = self.writes.entry(e.label.clone()).or_insert_with(|| {
+                let name = dofs.get(e.label.dof).map_or_else(|| e.label.to_string(), |d| e.label.with_dof(d));
+                Writes { name, fields: Vec::new() }
+            });
+            fields.into_iter().for_each(|(field, by)| writes.add(field, Write { edit, by }));
         }
         let links = after.skeleton.links().iter();
         for (link, (a, b)) in links.zip(before.base_tension.iter().zip(&after.base_tension)) {
@@ -220,7 +250,7 @@ impl EditLog {
 
     /// The label of an element as text with the DOF's name.
     pub fn name(&self, label: &Label, skeleton: &Skeleton) -> String {
-        self.names.get(label).cloned().unwrap_or_else(|| label.named(skeleton))
+        self.writes.get(label).map_or_else(|| label.named(skeleton), |w| w.name.clone())
     }
 }
 
@@ -256,10 +286,12 @@ fn differing(a: &Element, b: &Element, metres: bool) -> Vec<(Field, String)> {
 impl fmt::Display for EditLog {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let edit = |i: usize| format!("{} (edit {i})", self.edits[i]);
-        let text = |label: &Label| self.names.get(label).cloned().unwrap_or_else(|| label.to_string());
-        for (label, fields) in &self.writes {
+        let text =
+            |label: &Label| self.writes.get(label).map_or_else(|| label.to_string(), |w| w.name.clone());
+        for (label, element) in &self.writes {
             let write = |w: &Write| format!("{} {}", edit(w.edit), w.by).trim_end().to_owned();
-            let fields: Vec<String> = fields
+            let fields: Vec<String> = element
+                .fields
                 .iter()
                 .map(|(field, writes)| {
                     let all: Vec<String> = writes.iter().map(write).collect();

@@ -115,7 +115,7 @@ pub fn ranks(skeleton: &Skeleton, moved: &[bool], direction: Direction) -> Vec<u
 }
 
 /// The elements that end elsewhere than the DOF was before.
-fn moving(tracks: &Tracks) -> BTreeSet<Label> {
+pub fn moving(tracks: &Tracks) -> BTreeSet<Label> {
     let mut moves = BTreeSet::new();
     for track in &tracks.tracks {
         let mut before = track.dof.read(&tracks.skeleton, &tracks.base);
@@ -129,6 +129,22 @@ fn moving(tracks: &Tracks) -> BTreeSet<Label> {
     moves
 }
 
+/// Depth (forward) or height (reverse) of the joint of every selected element of a pose, counting the joints that it moves;
+/// `moves`: as [`moving`].
+pub fn ranks_in_pose(
+    skeleton: &Skeleton,
+    group: &PoseGroup,
+    moves: &BTreeSet<Label>,
+    direction: Direction,
+) -> Vec<usize> {
+    let mut moved = vec![false; skeleton.links().len()];
+    for (dof, e) in &group.elements {
+        moved[dof.link()] |= moves.contains(&e.label);
+    }
+    let rank = ranks(skeleton, &moved, direction);
+    group.elements.iter().map(|(dof, _)| rank[dof.link()]).collect()
+}
+
 /// Shift of every selected element of a pose, s.
 fn shifts(
     skeleton: &Skeleton,
@@ -137,14 +153,10 @@ fn shifts(
     offset_s: f64,
     direction: Direction,
 ) -> Vec<(Label, f64)> {
-    let mut moved = vec![false; skeleton.links().len()];
-    for (dof, e) in &group.elements {
-        moved[dof.link()] |= moves.contains(&e.label);
-    }
-    let rank = ranks(skeleton, &moved, direction);
-    let least = group.elements.iter().map(|(d, _)| rank[d.link()]).min().unwrap_or(0);
-    let shift = |link: usize| offset_s * (rank[link] - least) as f64;
-    group.elements.iter().map(|(d, e)| (e.label.clone(), shift(d.link()))).collect()
+    let rank = ranks_in_pose(skeleton, group, moves, direction);
+    let least = rank.iter().copied().min().unwrap_or(0);
+    let labels = group.elements.iter().map(|(_, e)| e.label.clone());
+    labels.zip(rank).map(|(label, rank)| (label, offset_s * (rank - least) as f64)).collect()
 }
 
 impl TrackEdit for Succession {

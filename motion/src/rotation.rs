@@ -137,6 +137,18 @@ impl EulerOrder {
     }
 }
 
+/// Rotation with Euler angles `(x, y, z)` in degrees: the order in which people write balls, `R = Ry · Rz · Rx`.
+pub fn quat_from_deg(xyz: [f64; 3]) -> Quat {
+    let [x, y, z] = xyz.map(f64::to_radians);
+    EulerOrder::YZX.to_quat(&Vec3::new(y, z, x))
+}
+
+/// Euler angles `(x, y, z)` of a rotation, degrees.
+pub fn deg_from_quat(q: &Quat) -> [f64; 3] {
+    let a = EulerOrder::YZX.from_quat(q);
+    [a[2], a[0], a[1]].map(f64::to_degrees)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -58,7 +58,8 @@ impl Label {
         self.repetition.unwrap_or(0)
     }
 
-    fn with_dof(&self, dof: &str) -> String {
+    /// The label with this text in place of the DOF's index.
+    pub fn with_dof(&self, dof: &str) -> String {
         let tail = self.repetition.map(|r| format!("_{r}")).unwrap_or_default();
         format!("{}_{}_{}_{dof}{tail}", self.action, self.cycle, self.pose)
     }

@@ -1,11 +1,12 @@
 //! Joint values as people write them: degrees.
 //!
 //! A hinge takes one number, a ball joint three Euler angles `(x, y, z)` that are applied as
-//! `R = Ry · Rz · Rx` ([`EulerOrder::YZX`]): bend or twist about x first, then z, turn about y last.
+//! `R = Ry · Rz · Rx` ([`motion::EulerOrder::YZX`]): bend or twist about x first, then z, turn about y last.
 
 use std::fmt;
 
-use motion::{EulerOrder, Quat, Vec3};
+use motion::Vec3;
+pub use motion::rotation::{deg_from_quat, quat_from_deg};
 use serde::de::{self, Deserialize, Deserializer, SeqAccess, Visitor};
 
 /// The value of a hinge (deg) or slide (m), or of a ball joint (deg).
@@ -15,18 +16,6 @@ pub enum Angle {
     One(f64),
     /// `(x, y, z)`, degrees.
     Ball([f64; 3]),
-}
-
-/// Rotation with Euler angles `(x, y, z)` in degrees; see the module header.
-pub fn quat_from_deg(xyz: [f64; 3]) -> Quat {
-    let [x, y, z] = xyz.map(f64::to_radians);
-    EulerOrder::YZX.to_quat(&Vec3::new(y, z, x))
-}
-
-/// Euler angles `(x, y, z)` of a rotation, degrees.
-pub fn deg_from_quat(q: &Quat) -> [f64; 3] {
-    let a = EulerOrder::YZX.from_quat(q);
-    [a[2], a[0], a[1]].map(f64::to_degrees)
 }
 
 impl<'de> Deserialize<'de> for Angle {

@@ -10,6 +10,8 @@ use motion::floor::FRICTION;
 use motion::names::Word;
 use motion::{Floor, Tilt, Vec3};
 
+use crate::ProgramSpec;
+
 /// The engine that performs where no other is named.
 pub const ENGINE: &str = "rapier";
 
@@ -118,6 +120,8 @@ pub struct ConditionsSpec {
     pub carried: Vec<Timed<Carrying>>,
     /// Gazes: reactive properties beside the balance.
     pub gazes: Vec<Timed<Gaze>>,
+    /// Programs of the user: reactive properties that act after the gazes.
+    pub programs: Vec<ProgramSpec>,
     /// Name of the engine that performs.
     pub engine: String,
 }
@@ -132,6 +136,7 @@ impl ConditionsSpec {
             pushes: Vec::new(),
             carried: Vec::new(),
             gazes: Vec::new(),
+            programs: Vec::new(),
             engine: ENGINE.into(),
         }
     }

@@ -14,8 +14,8 @@ use serde::de::DeserializeOwned;
 use crate::library::{self, Entry};
 use crate::source_map::{SourceMap, line_column};
 
-/// Largest RON file: a scene with thousands of poses has less than a megabyte.
-const RON_BYTES: u64 = 16 << 20;
+/// Largest file that a person writes: a scene with thousands of poses has less than a megabyte.
+const FILE_BYTES: u64 = 16 << 20;
 
 /// What is wrong with a file a person wrote, and where.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
@@ -59,6 +59,31 @@ pub struct Source {
     map: SourceMap,
 }
 
+/// The text of a file, or of that at a location of the [`library`].
+///
+/// # Errors
+/// If it cannot be read or is not UTF-8.
+pub fn read_text(path: &Path) -> Result<String, SceneError> {
+    let fail = |message: String| SceneError { path: path.into(), place: None, message, help: None };
+    if library::is_location(path) {
+        let entry = library::find(path);
+        return entry.map(|e| e.text().to_owned()).ok_or_else(|| {
+            fail("no such file of the library".into()).with_help("`contrapposto library` lists them")
+        });
+    }
+    let bytes = read_within(path, FILE_BYTES).map_err(|e| {
+        let fault = fail(format!("cannot read the file: {e}"));
+        match library::namesake(path).filter(|_| e.kind() == std::io::ErrorKind::NotFound) {
+            Some(entry) => fault.with_help(in_library(entry)),
+            None => fault,
+        }
+    })?;
+    String::from_utf8(bytes).map_err(|e| {
+        let at = e.utf8_error().valid_up_to();
+        fail(format!("the file is not UTF-8 text (byte {at})"))
+    })
+}
+
 impl Source {
     /// A text as if read from `path`.
     pub fn new(path: impl Into<PathBuf>, text: impl Into<String>) -> Self {
@@ -76,24 +101,9 @@ impl Source {
     /// # Errors
     /// If it cannot be read or is not UTF-8.
     pub fn read(path: &Path) -> Result<Self, SceneError> {
-        let fail = |message: String| SceneError { path: path.into(), place: None, message, help: None };
-        if library::is_location(path) {
-            let entry = library::find(path);
-            return entry.map(|e| Self::new(e.location(), e.text())).ok_or_else(|| {
-                fail("no such file of the library".into()).with_help("`contrapposto library` lists them")
-            });
-        }
-        let bytes = read_within(path, RON_BYTES).map_err(|e| {
-            let fault = fail(format!("cannot read the file: {e}"));
-            match library::namesake(path).filter(|_| e.kind() == std::io::ErrorKind::NotFound) {
-                Some(entry) => fault.with_help(in_library(entry)),
-                None => fault,
-            }
-        })?;
-        let text = String::from_utf8(bytes).map_err(|e| {
-            let at = e.utf8_error().valid_up_to();
-            fail(format!("the file is not UTF-8 text (byte {at})"))
-        })?;
+        let entry = library::find(path).filter(|_| library::is_location(path));
+        let path = entry.map_or_else(|| path.to_owned(), Entry::location);
+        let text = read_text(&path)?;
         Ok(Self::new(path, text))
     }
 

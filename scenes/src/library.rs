@@ -1,7 +1,7 @@
-//! The library: scenes, performances, characters and key poses that are inside the program.
+//! The library: scenes, performances, characters, key poses and programs that are inside the program.
 //!
 //! In: a name or a path as a person gives it, and what kind of file is expected. Out: a path that [`crate::Source`] reads.
-//! `build.rs` embeds every `*.ron` of this crate's folder, and the learned edits (`*.edit`) that scenes name; a new scene is one new file.
+//! `build.rs` embeds every `*.ron` and `*.rhai` of this crate's folder, and the learned edits (`*.edit`) that scenes name; a new scene is one new file.
 //!
 //! A file of the library has a *location*: a path that begins with `library:`, such as `library:scenes/bow.ron` or
 //! `library:characters/human.ron`. A location stands wherever a path may: on the command line, in a scene file, in an
@@ -28,11 +28,13 @@ pub enum Kind {
     Character,
     /// Key poses of a character.
     KeyPoses,
+    /// A program of an edit or a reactive property.
+    Program,
 }
 
 impl Kind {
     /// All kinds.
-    pub const ALL: [Self; 3] = [Self::Scene, Self::Character, Self::KeyPoses];
+    pub const ALL: [Self; 4] = [Self::Scene, Self::Character, Self::KeyPoses, Self::Program];
 
     /// What a file of this kind is called.
     pub fn word(self) -> &'static str {
@@ -40,6 +42,7 @@ impl Kind {
             Self::Scene => "scene",
             Self::Character => "character",
             Self::KeyPoses => "file of key poses",
+            Self::Program => "program",
         }
     }
 }
@@ -55,7 +58,7 @@ impl Entry {
     /// Its name, as a person gives it: `bow`.
     pub fn name(&self) -> &'static str {
         let file = self.path.rsplit('/').next().unwrap_or(self.path);
-        file.strip_suffix(".ron").unwrap_or(file)
+        file.rsplit_once('.').map_or(file, |(name, _)| name)
     }
 
     /// The folder it is in: `scenes`, `performances`, `characters`, …
@@ -68,6 +71,7 @@ impl Entry {
         match self.folder() {
             "characters" => Kind::Character,
             "keyposes" => Kind::KeyPoses,
+            "programs" => Kind::Program,
             _ => Kind::Scene,
         }
     }
@@ -158,10 +162,10 @@ pub fn beside(of: &Path, name: impl AsRef<Path>) -> PathBuf {
 
 /// The file of the library that has the same name as a file on disk that does not exist.
 pub fn namesake(path: &Path) -> Option<&'static Entry> {
-    let file = path.file_name()?.to_str()?.strip_suffix(".ron")?;
+    let name = path.file_name()?.to_str()?;
     // of several, the one whose folder has the same name too
     let folder = path.parent().and_then(Path::file_name);
-    let same = || entries().filter(|e| e.name() == file);
+    let same = || entries().filter(|e| e.path.rsplit('/').next() == Some(name));
     same().find(|e| folder.is_some_and(|f| f == e.folder())).or_else(|| same().next())
 }
 

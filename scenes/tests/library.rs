@@ -10,13 +10,13 @@ fn folder() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).to_owned()
 }
 
-/// Every `*.ron` below a folder, with its text.
+/// Every `*.ron` and `*.rhai` below a folder, with its text.
 fn on_disk(dir: &Path, found: &mut BTreeMap<PathBuf, String>) {
     for entry in std::fs::read_dir(dir).unwrap() {
         let path = entry.unwrap().path();
         if path.is_dir() {
             on_disk(&path, found);
-        } else if path.extension().is_some_and(|e| e == "ron") {
+        } else if path.extension().is_some_and(|e| e == "ron" || e == "rhai") {
             let text = std::fs::read_to_string(&path).unwrap();
             found.insert(path.strip_prefix(folder()).unwrap().into(), text);
         }
@@ -91,6 +91,8 @@ fn files_open_inside_the_library() {
                 assert_eq!(a.files, Vec::<PathBuf>::new());
                 assert_eq!(b.files[0], outside);
             }
+            // `programs` reads it; its text is compared above
+            Kind::Program => assert!(entry.text().contains("fn params()")),
             // takes opens them; its text is compared above
             Kind::KeyPoses => assert_eq!(Source::read(&inside).unwrap().first_word(), Some("KeyPoses")),
         }

@@ -9,11 +9,10 @@ use std::time::Instant;
 
 use controllers::assist::{Assist, Budget};
 use controllers::stops::STIFFNESS_RATIO;
-use controllers::{Controller, LegTension, Plan, Reactive, Sagging, Setup};
+use controllers::{Controller, LegTension, Plan, Reactive, ReactiveError, Sagging, Setup};
 use dynamics::fall::{self, Fall};
 use dynamics::verdict::{self, Verdict};
 use dynamics::{Carrying, Push, RootMode, State, Trace, Wrench};
-use motion::ik::IkError;
 use motion::{Floor, Joint, Tilt, Vec3};
 use thiserror::Error;
 
@@ -27,9 +26,9 @@ pub enum PassError {
     /// Of the engine.
     #[error(transparent)]
     Engine(#[from] EngineError),
-    /// Of the legs' inverse kinematics.
+    /// Of a reactive property, the balance among them.
     #[error(transparent)]
-    Ik(#[from] IkError),
+    Reactive(#[from] ReactiveError),
 }
 
 /// Everything a run needs.
@@ -68,6 +67,8 @@ pub struct Outcome {
     pub fall: Option<Fall>,
     /// How the motion was performed.
     pub verdict: Verdict,
+    /// What reactive properties did, a line each.
+    pub reactive: Vec<String>,
     /// Tension of the stance legs, where it is not what was asked.
     pub leg_tension: Vec<LegTension>,
     /// Why the run stopped early.
@@ -235,7 +236,7 @@ impl Run {
     /// unless [`Pass::past_fall`].
     ///
     /// # Errors
-    /// Legs that cannot be solved.
+    /// Legs that cannot be solved; programs of the user that fail.
     pub fn step(&mut self) -> Result<bool, PassError> {
         let fallen = self.fell_s.is_some();
         if self.row + 1 >= self.rows() || self.diverged.is_some() || (fallen && !self.past_fall) {
@@ -332,6 +333,7 @@ impl Run {
             fell_s: self.fell_s,
             fall,
             verdict,
+            reactive: controller.reactive_lines(),
             leg_tension: plan.leg_tension.clone(),
             diverged: self.diverged,
             ledger: self.engine.ledger().copied(),

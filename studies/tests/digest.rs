@@ -20,7 +20,7 @@ fn take() -> Take {
         ])])],
         pushes: [Push(link: "chest", impulse_ns: 5, towards_deg: 90, start_s: 0.3)],
         carried: [Carried(link: "wrist_r", mass_kg: 1)],
-        reactive: [Gaze(at_m: (0, 1.5, 3))],
+        reactive: [Gaze(at_m: (0, 1.5, 3)), Program(file: "programs/tremor.rhai", params: {"seed": 5})],
     )"#;
     let base = support::root().join("scenes");
     open(Input::Text { ron: ron.into(), base }, &Ask::default()).unwrap_or_else(|e| panic!("{e}"))
@@ -182,6 +182,8 @@ const CHANGES: &[(&str, Change)] = &[
         let g = t.conditions.gazes[0].clone().during(0.1, f64::INFINITY);
         t.conditions.gazes[0] = g;
     }),
+    ("time of a program", |t, _| t.conditions.programs[0] = t.conditions.programs[0].shifted(0.1)),
+    ("no program", |t, _| t.conditions.programs.clear()),
     ("engine", |t, _| t.conditions.engine = "mujoco".into()),
     ("parameters", |_, s| {
         s.parameters.pop();

@@ -32,6 +32,7 @@ use crate::limited::within_limits;
 use crate::pins;
 use crate::standing::stance;
 use crate::take::{Asked, Body, ClipSource, Source, Take};
+use crate::user_programs::reactions;
 use crate::{Ask, Conditions, TakeError};
 
 /// A clip with the body that is to perform it.
@@ -213,7 +214,7 @@ pub(crate) fn take(
     let take = Take {
         name,
         source: Source::Clip(Box::new(ClipSource { clip: source, map, import, body: guess })),
-        conditions: Conditions::resolve(&spec, &times, ground),
+        conditions: Conditions::resolve(&spec, scene.map_or(Ok(Vec::new()), reactions)?, &times, ground),
         asked: Asked {
             contacts: contacts(character, &stance, clip.rate_hz),
             clip,

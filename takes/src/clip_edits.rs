@@ -15,6 +15,8 @@ use scenes::library;
 use scenes::scene::{EditKind, Scene, SceneEdit, StoredEdit};
 use scenes::{SceneError, Source};
 
+use crate::user_programs::{clip_program, edit_fault};
+
 /// A motion after the clip edits of its scene.
 pub(crate) struct Clips {
     /// The motion.
@@ -67,13 +69,13 @@ pub(crate) fn apply_all<'a>(
     let legs = s.limbs().iter().filter(|l| l.kind == LimbKind::Leg && root != RootMode::Pinned);
     let legs: Vec<usize> = legs.flat_map(|l| [l.upper, l.lower, l.end]).collect();
     for (source, e) in edits {
-        let fault = |x: &dyn std::error::Error| source.error(&e.at, x.to_string());
         let edited = match &e.kind {
             // pins act last, on a motion that was made possible: `pins`
             EditKind::Track(_) | EditKind::Pin(_) => continue,
             EditKind::Tension(edit) => {
                 let fixed = (&*legs, "of legs that stand the balance decides, but under `root: Pinned`");
-                edit.on_clip(&motion, &e.place, fixed, &mut tension, log).map_err(|x| fault(&x))?;
+                edit.on_clip(&motion, &e.place, fixed, &mut tension, log)
+                    .map_err(|x| edit_fault(source, &e.at, x))?;
                 continue;
             }
             EditKind::Clip(edit) => edit.apply(&motion, &e.place, log),
@@ -83,8 +85,12 @@ pub(crate) fn apply_all<'a>(
                 }
                 open(stored, source, &e.at)?.apply(&motion, &e.place, log)
             }
+            EditKind::Program(_) => match clip_program(source, e, &motion)? {
+                Some(program) => ClipEdit::apply(&program, &motion, &e.place, log),
+                None => continue,
+            },
         }
-        .map_err(|x| fault(&x))?;
+        .map_err(|x| edit_fault(source, &e.at, x))?;
         changed |= edited.clip != motion.clip || !edited.times.is_identity();
         for step in tension.iter_mut().flatten() {
             step.0 = edited.times.at(step.0);

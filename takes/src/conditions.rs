@@ -7,6 +7,7 @@ use controllers::Gaze;
 use dynamics::conditions::Carrying;
 use dynamics::conditions::Push;
 use motion::{Floor, Tilt, TimeMap};
+use programs::Reaction;
 use scenes::SceneError;
 use scenes::conditions::{Clock, ConditionsSpec, Physics, Timed};
 use scenes::scene::Scene;
@@ -24,6 +25,8 @@ pub struct Conditions {
     pub carried: Vec<Carrying>,
     /// Gazes: reactive properties beside the balance.
     pub gazes: Vec<Gaze>,
+    /// Programs of the user: reactive properties that act after the gazes.
+    pub programs: Vec<Reaction>,
     /// Name of the engine that performs.
     pub engine: String,
 }
@@ -33,8 +36,13 @@ impl Conditions {
     ///
     /// What keeps the motion's clock begins (and a gaze, a carried mass and a turn of the ground end) at the moments of the
     /// motion that the file names; what keeps the world's clock stays at the seconds that it names. A push lasts as long as
-    /// it lasted: its impulse is stated.
-    pub fn resolve(spec: &ConditionsSpec, times: &TimeMap, ground: Option<Floor>) -> Self {
+    /// it lasted: its impulse is stated. Programs keep the world's clock: they are told the time of the run.
+    pub fn resolve(
+        spec: &ConditionsSpec,
+        programs: Vec<Reaction>,
+        times: &TimeMap,
+        ground: Option<Floor>,
+    ) -> Self {
         let at = |clock: Clock, t_s: f64| match clock {
             Clock::Motion if t_s.is_finite() && !times.is_identity() => times.at(t_s),
             Clock::Motion | Clock::World => t_s,
@@ -66,6 +74,7 @@ impl Conditions {
             pushes: spec.pushes.iter().map(push).collect(),
             carried: spec.carried.iter().map(carried).collect(),
             gazes: spec.gazes.iter().map(gaze).collect(),
+            programs,
             engine: spec.engine.clone(),
         }
     }
@@ -83,6 +92,7 @@ impl Conditions {
             g.clone().during(s.from_s + by_s, s.to_s + by_s)
         };
         shifted.gazes = self.gazes.iter().map(moved).collect();
+        shifted.programs = self.programs.iter().map(|p| p.shifted(by_s)).collect();
         shifted
     }
 }

@@ -19,8 +19,10 @@ use serde::Serialize;
 use crate::ask::is_ron;
 use crate::results::subject_report::DecidedReport;
 use crate::script::{USUAL_FRAMES_HZ, edited_tracks};
+use crate::user_programs::{edit_program, reactions};
 use crate::{Ask, TakeError};
 use edits::EditLog;
+use programs::{Entry, Program};
 use scenes::angle::deg_from_quat;
 use scenes::library::{self, Kind};
 use scenes::scene::{self, Scene};
@@ -128,12 +130,25 @@ pub struct SceneInspection {
     pub elements: Vec<ElementInspection>,
     /// Names of the edits, one for each application, in order.
     pub edits: Vec<String>,
+    /// Programs of the user among the edits and the reactive properties.
+    pub programs: Vec<ProgramInspection>,
     /// Fields of elements that several edits changed, each on what the one before left.
     pub conflicts: Vec<ConflictInspection>,
     /// Elements that a later one of the same joint cuts short.
     pub overlaps: Vec<OverlapInspection>,
     /// What the edits did, in words, one line for each element written.
     pub log: Vec<String>,
+}
+
+/// A program of the user.
+#[derive(Clone, Debug, Serialize)]
+pub struct ProgramInspection {
+    /// Its file.
+    pub file: String,
+    /// What it does: `elements`, `clip` or `react`.
+    pub does: &'static str,
+    /// Its parameters with their values.
+    pub params: BTreeMap<String, String>,
 }
 
 /// An action.
@@ -399,6 +414,11 @@ fn of_scene(scene: &Scene, whole: Option<EditLog>) -> Result<SceneInspection, Ta
     };
     let log = whole.unwrap_or(log);
     let edits: Vec<String> = log.edits().iter().map(|e| (*e).to_owned()).collect();
+    let mut programs = Vec::new();
+    for e in &scene.edits {
+        programs.extend(edit_program(&scene.source, e)?.map(|(program, does)| inspected(&program, does)));
+    }
+    programs.extend(reactions(scene)?.iter().map(|r| inspected(r.program(), Entry::React)));
     let name = |edit: usize| format!("{} (edit {edit})", log.edits()[edit]);
     let s = &scene.character.skeleton;
     let elements = tracks.elements().map(|(dof, e)| {
@@ -437,6 +457,7 @@ fn of_scene(scene: &Scene, whole: Option<EditLog>) -> Result<SceneInspection, Ta
             .collect(),
         elements: elements.collect(),
         edits,
+        programs,
         conflicts: log
             .conflicts()
             .iter()
@@ -449,6 +470,14 @@ fn of_scene(scene: &Scene, whole: Option<EditLog>) -> Result<SceneInspection, Ta
         overlaps: overlaps(&tracks),
         log: log.to_string().lines().map(str::to_owned).collect(),
     })
+}
+
+fn inspected(program: &Program, does: Entry) -> ProgramInspection {
+    ProgramInspection {
+        file: program.file().display().to_string(),
+        does: does.function().0,
+        params: program.parameters().into_iter().collect(),
+    }
 }
 
 fn overlaps(tracks: &Tracks) -> Vec<OverlapInspection> {

@@ -56,6 +56,7 @@ pub mod standing;
 pub mod starter;
 pub mod styles;
 pub mod take;
+mod user_programs;
 
 pub use analysis::{AnalysisInput, AnalysisInputError, AnalysisSettings, AnalysisSource};
 pub use ask::{Ask, Input, is_ron};

@@ -5,6 +5,7 @@
 
 use std::sync::Mutex;
 
+use controllers::ReactiveError;
 use motion::ik::IkError;
 use motion::stance::StanceSpan;
 use rayon::prelude::*;
@@ -61,7 +62,8 @@ pub enum PerformError {
 impl PerformError {
     /// Whether the fault lies in the input rather than in the run.
     pub fn is_input(&self) -> bool {
-        matches!(self, Self::Engine(_) | Self::Slides(_))
+        let program = matches!(self, Self::Pass(PassError::Reactive(ReactiveError::Program { .. })));
+        program || matches!(self, Self::Engine(_) | Self::Slides(_))
     }
 }
 

@@ -11,7 +11,7 @@ use std::cell::RefCell;
 use crate::conditions::begin_in_time;
 use controllers::{Dense, DenseJoint};
 use dynamics::conditions::RootMode;
-use edits::{EditLog, Motion, Where};
+use edits::{EditLog, Motion, TrackEdit, Where};
 use motion::plant::{Knee, Plant};
 use motion::{
     Clip, Contact, ContactPlan, Dof, Element, Floor, Joint, LimbKind, TimeMap, Timing, Tracks, Transform,
@@ -26,6 +26,7 @@ use crate::ignored::ignored;
 use crate::pins;
 use crate::possible::{Finished, Sampler};
 use crate::take::{Asked, Body, Source, Take, USUAL_RATE_HZ};
+use crate::user_programs::{edit_fault, reactions, track_program, tracks_first};
 use crate::{Ask, Conditions};
 
 /// Frames per second of a script that says nothing about it, Hz.
@@ -41,8 +42,31 @@ pub fn edited_tracks(scene: &Scene, script: &ScriptSpec) -> Result<(Tracks, Trac
     let plain = script.script.build(skeleton, &scene.character.rest).map_err(|e| whole(&e))?;
     let mut tracks = plain.clone();
     let mut log = EditLog::default();
+    // the last clip edit before, and the last of them that only its program says to be one
+    let (mut after, mut after_program) = (None, None);
     for e in &scene.edits {
-        let EditKind::Track(edit) = &e.kind else { continue };
+        let program;
+        let edit: &dyn TrackEdit = match &e.kind {
+            EditKind::Track(edit) => edit.as_ref(),
+            EditKind::Program(_) => match track_program(&scene.source, e, after)? {
+                Some(found) => {
+                    program = found;
+                    &program
+                }
+                None => {
+                    (after, after_program) = (Some(e.kind.name()), Some(e.kind.name()));
+                    continue;
+                }
+            },
+            EditKind::Clip(_) | EditKind::Stored(_) => {
+                after = Some(e.kind.name());
+                continue;
+            }
+            EditKind::Tension(_) | EditKind::Pin(_) => continue,
+        };
+        if let EditKind::Track(_) = &e.kind {
+            tracks_first(&scene.source, e, after_program)?;
+        }
         let fault = |field: &str, text: String| scene.source.error(&format!("{}{field}", e.at), text);
         let selectors = e.place.selectors().map_err(|x| fault(".on", x.to_string()))?;
         for (i, selector) in selectors.into_iter().enumerate() {
@@ -50,7 +74,7 @@ pub fn edited_tracks(scene: &Scene, script: &ScriptSpec) -> Result<(Tracks, Trac
             if selection.is_empty() && !selection.is_whole_script() {
                 return Err(fault(".on", nothing_selected(&tracks, e, i)));
             }
-            edit.apply(&mut tracks, &selection, &mut log).map_err(|x| fault("", x.to_string()))?;
+            edit.apply(&mut tracks, &selection, &mut log).map_err(|x| edit_fault(&scene.source, &e.at, x))?;
         }
     }
     Ok((plain, tracks, log))
@@ -176,7 +200,7 @@ pub(crate) fn take(scene: &Scene, script: &ScriptSpec, ask: &Ask) -> Result<Take
         },
         unedited,
         log,
-        conditions: Conditions::resolve(&scene.conditions, &times, ground),
+        conditions: Conditions::resolve(&scene.conditions, reactions(scene)?, &times, ground),
         strip: scene.strip,
         tune: scene.tune.clone(),
         files: scene.files.clone(),

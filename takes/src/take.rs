@@ -193,7 +193,10 @@ impl Take {
                 balance: p.balance,
                 blend: p.blend,
             },
-            reactive: c.gazes.iter().map(|g| Box::new(g.clone()) as Box<dyn Reactive>).collect(),
+            reactive: {
+                let gazes = c.gazes.iter().map(|g| Box::new(g.clone()) as Box<dyn Reactive>);
+                gazes.chain(c.programs.iter().map(|p| Box::new(p.clone()) as Box<dyn Reactive>)).collect()
+            },
             substeps: p.substeps,
             root: p.root,
             // legs that follow a clip or planted feet under a pinned root are where they are asked to be: contact would

@@ -46,7 +46,7 @@ use motion::rotation::log;
 use motion::support::{Support, Vec2, ground};
 use motion::{Joint, LimbKind, Vec3};
 
-use crate::reactive::{ControlStep, Impedance, Reactive};
+use crate::reactive::{ControlStep, Impedance, Reactive, ReactiveError};
 use crate::support::{Foot, clamp_inside, polygon, pressed_wrenches, shared_wrenches, shares};
 use crate::{Drive, rest_of};
 
@@ -302,7 +302,7 @@ fn alike(feet: &[Foot], model: &Model, state: &State) -> Support {
 
 impl Reactive for Balance {
     /// Writes the drives of the stance legs, and under a push those of spine and arms.
-    fn react(&mut self, step: &ControlStep<'_>, drives: &mut [Drive]) -> Result<(), IkError> {
+    fn react(&mut self, step: &ControlStep<'_>, drives: &mut [Drive]) -> Result<(), ReactiveError> {
         self.observe_contacts(step);
         let model = step.model;
         let sway = self.sway(step);

@@ -15,13 +15,12 @@ mod reach;
 use bodies::Character;
 use dynamics::rnea::joint_force;
 use dynamics::{Model, State};
-use motion::ik::IkError;
 use motion::rotation::{between, exp, log, slerp};
 use motion::{Joint, Limits, Quat, Vec3, smoothstep};
 use thiserror::Error;
 
 use crate::reactive::{
-    AHEAD, ControlStep, FilteredAcceleration, Reactive, in_zero_frame, rate_between, set_rate,
+    AHEAD, ControlStep, FilteredAcceleration, Reactive, ReactiveError, in_zero_frame, rate_between, set_rate,
 };
 use crate::{Drive, Rest, rest_of};
 
@@ -258,7 +257,7 @@ impl Gaze {
 }
 
 impl Reactive for Gaze {
-    fn react(&mut self, step: &ControlStep<'_>, drives: &mut [Drive]) -> Result<(), IkError> {
+    fn react(&mut self, step: &ControlStep<'_>, drives: &mut [Drive]) -> Result<(), ReactiveError> {
         self.measured.update(step.v, step.dt, FILTER_S);
         let weight = self.weight(step.time_s);
         if weight <= 0.0 {

@@ -1,7 +1,7 @@
 //! The conditions of a scene, checked: world, root, physics, balance.
 //!
 //! In: the words of [`crate::schema`]. Out: [`ConditionsSpec`] in SI units, or an error at the very value. Pushes, tilts and carried
-//! masses are in [`super::disturbances`], gazes in [`super::reactive`].
+//! masses are in [`super::disturbances`], gazes and programs in [`super::reactive`].
 
 use controllers::BalanceSettings;
 use dynamics::conditions::RootMode;
@@ -29,6 +29,7 @@ impl Check<'_> {
             pushes: self.pushes(&ron.pushes)?,
             carried: self.carried(&ron.carried)?,
             gazes: self.gazes(&ron.reactive)?,
+            programs: self.programs(&ron.reactive)?,
             engine,
             physics,
         })

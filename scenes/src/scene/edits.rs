@@ -20,8 +20,8 @@ use bodies::Character;
 use motion::Tolerance;
 
 use super::{Check, SceneSource};
-use crate::schema::{EditRon, ParameterRon, PinAtRon};
-use crate::{SceneError, Source};
+use crate::schema::{ArgumentRon, EditRon, ParameterRon, PinAtRon};
+use crate::{ProgramSpec, SceneError, Source};
 
 /// What an edit of a scene changes.
 pub enum EditKind {
@@ -35,6 +35,8 @@ pub enum EditKind {
     Stored(StoredEdit),
     /// A point held while the edits before it apply; all pins of a scene act at once.
     Pin(Pin),
+    /// What a program of the user changes: its file says which of the two.
+    Program(ProgramSpec),
 }
 
 /// A clip edit that a file holds.
@@ -99,6 +101,7 @@ impl EditKind {
             Self::Clip(edit) => edit.name(),
             Self::Stored(edit) => edit.name(),
             Self::Pin(_) => "pin",
+            Self::Program(_) => "program",
         }
     }
 
@@ -106,11 +109,12 @@ impl EditKind {
     pub fn file(&self) -> Option<&PathBuf> {
         match self {
             Self::Stored(stored) => Some(stored.file()),
+            Self::Program(program) => Some(&program.file),
             Self::Track(_) | Self::Tension(_) | Self::Clip(_) | Self::Pin(_) => None,
         }
     }
 
-    /// Whether it changes a sampled motion.
+    /// Whether it is known to change a sampled motion; of a program only its file says it.
     pub fn is_of_clips(&self) -> bool {
         matches!(self, Self::Clip(_) | Self::Stored(_))
     }
@@ -148,6 +152,20 @@ impl Check<'_> {
         Ok(out)
     }
 
+    /// A program.
+    pub(crate) fn program(
+        &self,
+        at: &str,
+        file: &str,
+        params: &BTreeMap<String, ArgumentRon>,
+    ) -> Result<ProgramSpec, SceneError> {
+        Ok(ProgramSpec {
+            file: self.source.beside(&format!("{at}.file"), "program", file)?,
+            params: params.iter().map(|(name, value)| (name.clone(), value.0.clone())).collect(),
+            at: at.into(),
+        })
+    }
+
     fn edit(&self, at: &str, e: &EditRon, of: Of) -> Result<SceneEdit, SceneError> {
         let (on, repetition, parts, span_s) = match e {
             EditRon::Succession { on, repetition, parts, span_s, .. }
@@ -159,6 +177,7 @@ impl Check<'_> {
             | EditRon::ByExample { on, repetition, parts, span_s, .. }
             | EditRon::PoseDelta { on, repetition, parts, span_s, .. }
             | EditRon::Style { on, repetition, parts, span_s, .. }
+            | EditRon::Program { on, repetition, parts, span_s, .. }
             | EditRon::TimeDelta { on, repetition, parts, span_s, .. } => (on, repetition, parts, *span_s),
             EditRon::Pin { .. } => (const { &String::new() }, &None, const { &Vec::new() }, None),
         };
@@ -244,6 +263,7 @@ impl Check<'_> {
                 to_s: *to_s,
                 blend_s: *blend_s,
             }),
+            EditRon::Program { file, params, .. } => EditKind::Program(self.program(at, file, params)?),
             EditRon::Warp { times_s, .. } => EditKind::Clip(Box::new(Warp { anchors: times_s.clone() })),
         };
         let on = on.split(',').map(|text| text.trim().to_owned()).collect();

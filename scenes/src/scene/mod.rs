@@ -94,8 +94,9 @@ pub fn parse(source: Source, name: String) -> Result<Scene, SceneError> {
     let tune = TuneSpec::read(ron.tune.as_ref(), moves || ron.motion.is_some(), &source)?;
     let edits = check.edits(&ron.edits, &motion)?;
     files.extend(edits.iter().filter_map(|e| e.kind.file().cloned()));
-    files.retain(|file| !library::is_location(file));
     let conditions = check.conditions(&ron, physics)?;
+    files.extend(conditions.programs.iter().map(|program| program.file.clone()));
+    files.retain(|file| !library::is_location(file));
     let rate = |x| check.within("rate_hz", x, 1.0, 1000.0, "Hz");
     let rate_hz = ron.rate_hz.map(rate).transpose()?;
     if ron.strip.figures < 2 || ron.strip.figures > 40 {

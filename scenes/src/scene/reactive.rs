@@ -9,15 +9,17 @@ use dynamics::Model;
 use motion::Vec3;
 
 use super::Check;
-use crate::SceneError;
 use crate::conditions::Timed;
 use crate::schema::ReactiveRon;
+use crate::{ProgramSpec, SceneError};
 
 impl Check<'_> {
     /// Gazes.
     pub(crate) fn gazes(&self, ron: &[ReactiveRon]) -> Result<Vec<Timed<Gaze>>, SceneError> {
         let one = |(i, r): (usize, &ReactiveRon)| {
-            let ReactiveRon::Gaze { at_m, from_s, to_s, blend_s, eyes, joints, trunk, clock } = r;
+            let ReactiveRon::Gaze { at_m, from_s, to_s, blend_s, eyes, joints, trunk, clock } = r else {
+                return Ok(None);
+            };
             let at = format!("reactive[{i}]");
             for x in [at_m.0, at_m.1, at_m.2] {
                 self.within(&format!("{at}.at_m"), x, -1e4, 1e4, "m")?;
@@ -56,9 +58,20 @@ impl Check<'_> {
                 };
                 self.source.error(&format!("{at}.{field}"), e.to_string())
             })?;
-            Ok(Timed { value: gaze, clock: clock.0 })
+            Ok(Some(Timed { value: gaze, clock: clock.0 }))
         };
-        ron.iter().enumerate().map(one).collect()
+        ron.iter().enumerate().filter_map(|r| one(r).transpose()).collect()
+    }
+
+    /// Programs.
+    pub(crate) fn programs(&self, ron: &[ReactiveRon]) -> Result<Vec<ProgramSpec>, SceneError> {
+        let one = |(i, r): (usize, &ReactiveRon)| match r {
+            ReactiveRon::Gaze { .. } => None,
+            ReactiveRon::Program { file, params } => {
+                Some(self.program(&format!("reactive[{i}]"), file, params))
+            }
+        };
+        ron.iter().enumerate().filter_map(one).collect()
     }
 }
 

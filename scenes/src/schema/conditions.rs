@@ -1,6 +1,7 @@
 //! Words of conditions: gravity, ground, what holds the root, pushes, masses carried, reactive properties, numbers of the
 //! dynamic pass.
 
+use std::collections::BTreeMap;
 use std::fmt;
 
 use controllers::{GainBlend, Strategy};
@@ -11,6 +12,7 @@ use motion::floor::FRICTION;
 use serde::Deserialize;
 use serde::de::{self, Deserializer, SeqAccess, VariantAccess, Visitor};
 
+use super::edits::ArgumentRon;
 use super::word::{self, Named, NamedWith, Variants};
 use crate::conditions::{Clock, GroundName};
 
@@ -167,6 +169,14 @@ pub enum ReactiveRon {
         /// Whose time it keeps.
         #[serde(default)]
         clock: Named<Clock>,
+    },
+    /// A program of the user.
+    Program {
+        /// Its file.
+        file: String,
+        /// What it is given, by name.
+        #[serde(default)]
+        params: BTreeMap<String, ArgumentRon>,
     },
 }
 

@@ -5,7 +5,7 @@ use std::fmt;
 
 use edits::by_example::Contacts;
 use edits::style::Timing;
-use edits::{Direction, Reference};
+use edits::{Argument, Direction, Reference};
 use serde::Deserialize;
 use serde::de::{self, Deserializer, MapAccess, SeqAccess, Visitor};
 
@@ -209,6 +209,17 @@ pub enum EditRon {
         #[serde(default = "pin_blend_s")]
         blend_s: f64,
     },
+    Program {
+        #[serde(default)]
+        on: String,
+        repetition: Option<usize>,
+        #[serde(default)]
+        parts: Vec<String>,
+        span_s: Option<(f64, f64)>,
+        file: String,
+        #[serde(default)]
+        params: BTreeMap<String, ArgumentRon>,
+    },
     TimeDelta {
         #[serde(default)]
         on: String,
@@ -234,6 +245,57 @@ pub enum PinAtRon {
 
 fn pin_blend_s() -> f64 {
     edits::pin::BLEND_S
+}
+
+/// A value that a scene gives to a program: a number, `true`, a text, `[numbers]` or `[texts]`.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ArgumentRon(pub Argument);
+
+impl<'de> Deserialize<'de> for ArgumentRon {
+    fn deserialize<D: Deserializer<'de>>(d: D) -> Result<Self, D::Error> {
+        struct Read;
+        impl<'de> Visitor<'de> for Read {
+            type Value = ArgumentRon;
+            fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+                f.write_str("a number, true or false, a text, or a list of numbers or of texts")
+            }
+            fn visit_bool<E: de::Error>(self, x: bool) -> Result<Self::Value, E> {
+                Ok(ArgumentRon(Argument::Flag(x)))
+            }
+            fn visit_f64<E: de::Error>(self, x: f64) -> Result<Self::Value, E> {
+                Ok(ArgumentRon(Argument::Number(x)))
+            }
+            fn visit_i64<E: de::Error>(self, x: i64) -> Result<Self::Value, E> {
+                Ok(ArgumentRon(Argument::Number(x as f64)))
+            }
+            fn visit_u64<E: de::Error>(self, x: u64) -> Result<Self::Value, E> {
+                Ok(ArgumentRon(Argument::Number(x as f64)))
+            }
+            fn visit_str<E: de::Error>(self, text: &str) -> Result<Self::Value, E> {
+                Ok(ArgumentRon(Argument::Text(text.into())))
+            }
+            fn visit_seq<A: SeqAccess<'de>>(self, mut seq: A) -> Result<Self::Value, A::Error> {
+                let (mut numbers, mut texts) = (Vec::new(), Vec::new());
+                while let Some(ArgumentRon(item)) = seq.next_element()? {
+                    match item {
+                        Argument::Number(x) => numbers.push(x),
+                        Argument::Text(text) => texts.push(text),
+                        other => {
+                            return Err(de::Error::custom(format!(
+                                "{other} in a list; allowed: lists of numbers or of texts"
+                            )));
+                        }
+                    }
+                }
+                match (numbers.is_empty(), texts.is_empty()) {
+                    (_, true) => Ok(ArgumentRon(Argument::List(numbers))),
+                    (true, false) => Ok(ArgumentRon(Argument::Texts(texts))),
+                    (false, false) => Err(de::Error::custom("numbers and texts in one list")),
+                }
+            }
+        }
+        d.deserialize_any(Read)
+    }
 }
 
 fn blend_s() -> f64 {

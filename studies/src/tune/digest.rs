@@ -265,7 +265,7 @@ fn shape(d: &mut Digest, shape: &Shape) {
 }
 
 fn conditions(d: &mut Digest, conditions: &Conditions) {
-    let Conditions { physics: numbers, tilts, pushes, carried, gazes, engine } = conditions;
+    let Conditions { physics: numbers, tilts, pushes, carried, gazes, programs, engine } = conditions;
     physics(d, numbers);
     d.list(tilts, |d, tilt| {
         let Tilt { start_s, duration_s, tilt, towards, curve: shape } = tilt;
@@ -288,6 +288,14 @@ fn conditions(d: &mut Digest, conditions: &Conditions) {
         d.count(usize::from(*known));
     });
     d.list(gazes, gaze);
+    d.list(programs, |d, reaction| {
+        d.text(reaction.program().text());
+        d.number(reaction.begins_s());
+        d.list(&reaction.program().parameters(), |d, (name, value)| {
+            d.text(name);
+            d.text(value);
+        });
+    });
     d.text(engine);
 }
 

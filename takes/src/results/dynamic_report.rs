@@ -71,6 +71,8 @@ pub struct DynamicReport {
     pub leg_tension: Vec<LegTensionReport>,
     /// How far the eyes missed what they were to look at.
     pub gazes: Vec<GazeReport>,
+    /// What programs of the user did as reactive properties, a line for each joint.
+    pub reactive: Vec<String>,
     /// What the engine did beyond the equations of motion; absent of engines that do not count.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub engine: Option<EngineReport>,
@@ -291,6 +293,7 @@ impl DynamicReport {
                 })
                 .collect(),
             gazes: GazeReport::of(&take.conditions.gazes, t),
+            reactive: o.reactive.clone(),
             engine: o.ledger.as_ref().map(|l| EngineReport::new(l, t.rate_hz, c.mass() * t.gravity.norm())),
         }
     }

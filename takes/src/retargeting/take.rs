@@ -19,6 +19,7 @@ use crate::limited::within_limits;
 use crate::opening::Opening;
 use crate::pins;
 use crate::take::{Asked, Body, RetargetSource, Source, Take};
+use crate::user_programs::reactions;
 use crate::{Ask, Conditions};
 
 /// The take of a retargeted motion. `opening` has the scene as its youngest file.
@@ -99,7 +100,12 @@ pub(crate) fn take(
             performance: session.performance.name.clone(),
             phases: done.phases,
         })),
-        conditions: Conditions::resolve(&scene.conditions, &times, scene.conditions.physics.ground),
+        conditions: Conditions::resolve(
+            &scene.conditions,
+            reactions(scene)?,
+            &times,
+            scene.conditions.physics.ground,
+        ),
         asked: Asked {
             clip,
             tracks: None,
