@@ -3,7 +3,7 @@
 //! In: a clip and a [`Tolerance`]. Out: a [`Fit`]: [`Tracks`] whose pose at every frame is within the tolerance of the clip's, with
 //! what it took and what is left. So movement properties of scripts have something to act on where there is no script.
 //!
-//! All joints of a limb have their keys at the same times, and so have those of the trunk ([`groups`]): each key is a pose. Its
+//! All joints of a limb have their keys at the same times, and so have those of the trunk ([`mod@groups`]): each key is a pose. Its
 //! label has the group as its action: `arm_r_0_12` is the twelfth pose of the right arm. A first element of no duration places each
 //! DOF; DOFs that keep still have none. From a key each group goes to the furthest frame that transitions still reach
 //! within the tolerance: keys are dense where the motion turns, and sparse where it does not.
