@@ -29,6 +29,7 @@ const KNOWN: &[(&str, &str, &str)] = &[
         "rms_difference",
         "dynamics/src/ground_forces.rs: differences_of_nothing_and_of_zeros",
     ),
+    ("edits/src/on_fit/support.rs", "share", "a table with a number for each frame"),
     ("edits/src/style/set.rs", "share", "channels that all stand still are refused"),
     ("learn/src/ica/mod.rs", "share", "channels that all stand still are refused"),
     ("learn/src/validate.rs", "rms_error", "learn/src/validate.rs: the_error_of_nothing_is_zero"),

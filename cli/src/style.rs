@@ -12,7 +12,9 @@ use crate::args::StyleArgs;
 use crate::failure::Failure;
 use crate::output;
 use crate::progress::progress;
-use crate::style_args::{BlendArgs, DecomposeArgs, FindArgs, PutArgs, StyleCommand, TransferArgs, TryArgs};
+use crate::style_args::{
+    BlendArgs, DecomposeArgs, FindArgs, PutArgs, StyleCommand, TransferArgs, TryArgs, ships,
+};
 
 /// Runs the command.
 ///
@@ -80,11 +82,6 @@ fn decompose(args: &DecomposeArgs) -> Result<(), Failure> {
         file.display(),
         dir.display()
     ))
-}
-
-/// Whether this is the name of a style that ships.
-fn ships(from: &Path) -> bool {
-    !from.exists() && from.to_str().is_some_and(|name| library::shipped(name).is_some())
 }
 
 /// The set, the number of the donor in it, and its name: a file, or the two motions taken apart.

@@ -1,9 +1,10 @@
 //! The command line of `style`.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use clap::{Args, Subcommand};
 use motion::names::Word;
+use takes::styles::library;
 use takes::styles::style::{Representation, Timing};
 
 use crate::words::word;
@@ -150,15 +151,21 @@ pub struct TryArgs {
     pub out: Option<PathBuf>,
 }
 
+/// Whether this is the name of a style that ships.
+pub fn ships(from: &Path) -> bool {
+    !from.exists() && from.to_str().is_some_and(|name| library::shipped(name).is_some())
+}
+
 impl StyleArgs {
-    /// Files that may be names of the library.
+    /// Files that may be names of the library; a style that ships is none.
     pub fn inputs(&mut self) -> Vec<&mut PathBuf> {
-        match &mut self.command {
+        let all = match &mut self.command {
             StyleCommand::Decompose(args) => vec![&mut args.a, &mut args.b],
             StyleCommand::Transfer(args) => vec![&mut args.from, &mut args.to],
             StyleCommand::Blend(args) => vec![&mut args.from, &mut args.to],
             StyleCommand::Try(args) => vec![&mut args.input],
-        }
+        };
+        all.into_iter().filter(|file| !ships(file)).collect()
     }
 }
 

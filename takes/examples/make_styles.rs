@@ -8,7 +8,8 @@ use std::path::Path;
 
 use formats::style_file;
 use takes::styles::figures::contact_sheet;
-use takes::styles::library::{SHIPPED, made};
+use takes::styles::library::SHIPPED;
+use takes::styles::made::made;
 
 /// Height of a figure in the pictures, pixels.
 const BODY_HEIGHT: f64 = 120.0;

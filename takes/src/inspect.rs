@@ -25,7 +25,7 @@ use edits::EditLog;
 use programs::{Entry, Program};
 use scenes::angle::deg_from_quat;
 use scenes::library::{self, Kind};
-use scenes::scene::{self, Scene};
+use scenes::scene::{self, EditKind, Scene};
 use scenes::{SceneError, Source, character_file};
 
 /// What is in a file.
@@ -268,7 +268,7 @@ pub fn inspect(path: &Path, import: &ImportOptions) -> Result<(Inspection, Optio
             let name = path.file_stem().map_or_else(String::new, |s| s.to_string_lossy().into_owned());
             let scene = scene::parse(source, name)?;
             // what clip edits change is known once they have run
-            let log = match scene.edits.iter().any(|e| e.kind.is_of_clips()) {
+            let log = match scene.edits.iter().any(|e| !matches!(e.kind, EditKind::Track(_))) {
                 true => Some(crate::open(path.clone(), &Ask { import: *import, ..Ask::default() })?.log),
                 false => None,
             };

@@ -5,7 +5,8 @@ use std::sync::Arc;
 
 use edits::style::Transfer;
 use motion::{Clip, Kinematics, Vec3};
-use takes::styles::library::{SHIPPED, components, made, names_for};
+use takes::styles::library::{SHIPPED, components, names_for};
+use takes::styles::made::made;
 use takes::styles::styled;
 use takes::{Ask, Take};
 

@@ -1,22 +1,16 @@
 //! The styles that ship: what makes a walk tired, proud, sneaky, limping or childish, taken from performances of the library.
 //!
-//! In: a name. Out: the [`StyleSet`] that is inside the program, or the same made again of its two performances: `walk-neutral` and
-//! `walk-NAME` (`cargo run --release -p takes --example make_styles` writes the files and their contact sheets).
+//! In: a name. Out: the [`StyleSet`] that is inside the program ([`made`](super::made) makes it again).
 //!
 //! The bones of a set are those of the standard figure. A body of other names is told by what its links are for ([`names_for`]).
 
 use std::collections::BTreeMap;
 use std::io::Cursor;
-use std::path::PathBuf;
 
 use bodies::{Character, JointClass};
-use edits::style::{Representation, StyleSet};
-use formats::style_file;
-use motion::{Clip, LimbKind};
-use scenes::library;
-
-use super::{Find, StylesError};
-use crate::{Ask, Take, TakeError};
+use edits::style::StyleSet;
+use formats::style_file::{self, StyleFileError};
+use motion::LimbKind;
 
 /// A style that ships.
 #[derive(Clone, Copy, Debug)]
@@ -38,12 +32,6 @@ pub const SHIPPED: [Shipped; 5] = [
 /// The performance that they are told apart from.
 pub const NEUTRAL: &str = "walk-neutral";
 
-/// The part of every performance that walks in its style from beginning to end.
-const WALKS: (f64, f64) = (0.3, 0.74);
-
-/// Components of each: all decompositions of so many come to rest.
-const COMPONENTS: usize = 3;
-
 /// The style of this name.
 pub fn shipped(name: &str) -> Option<&'static Shipped> {
     SHIPPED.iter().find(|style| style.name == name)
@@ -53,52 +41,15 @@ impl Shipped {
     /// Its components.
     ///
     /// # Errors
-    /// Never, for files that [`made`] wrote.
-    pub fn set(&self) -> Result<StyleSet, StylesError> {
-        let read = style_file::read(Cursor::new(self.bytes));
-        read.map_err(|source| StylesError::File { path: PathBuf::from(self.name), source })
+    /// Never, for files that [`made`](super::made::made) wrote.
+    pub fn set(&self) -> Result<StyleSet, StyleFileError> {
+        style_file::read(Cursor::new(self.bytes))
     }
 
     /// Its file.
     pub fn bytes(&self) -> &'static [u8] {
         self.bytes
     }
-}
-
-/// The style of this name made again: the neutral performance, and the components of both.
-///
-/// # Errors
-/// Performances that there are not.
-///
-/// # Panics
-/// If they cannot be decomposed, which tests rule out.
-pub fn made(name: &str) -> Result<(Take, StyleSet), TakeError> {
-    let open = |performance: &str| {
-        crate::open(
-            PathBuf::from(format!("{}performances/{performance}.ron", library::PREFIX)),
-            &Ask::default(),
-        )
-    };
-    // standing before and after the walk is no style
-    let walking = |mut take: Take| {
-        let clip = &take.asked.clip;
-        let nq = clip.skeleton.nq();
-        let frame = |part: f64| (part * clip.frames() as f64) as usize;
-        let data = clip.data()[frame(WALKS.0) * nq..frame(WALKS.1) * nq].to_vec();
-        take.asked.clip = Clip::new(clip.skeleton.clone(), clip.rate_hz, data);
-        take
-    };
-    let neutral = walking(open(NEUTRAL)?);
-    let styled = walking(open(&format!("walk-{name}"))?);
-    let find = Find {
-        count: Some(COMPONENTS),
-        variance: 1.0,
-        representation: Representation::Positions,
-        merge: Vec::new(),
-        names: BTreeMap::new(),
-    };
-    let set = find.set(&neutral, &styled, false).expect("performances of one figure");
-    Ok((neutral, set))
 }
 
 /// A component of a style that ships is part of it if it tells the performances apart by this much: both were made to differ in nothing

@@ -10,6 +10,7 @@
 
 pub mod figures;
 pub mod library;
+pub mod made;
 pub mod results;
 
 use std::collections::BTreeMap;
@@ -56,7 +57,7 @@ pub enum StylesError {
 /// A file that is none, with its path.
 pub fn open(path: &Path) -> Result<StyleSet, StylesError> {
     if let Some(shipped) = path.to_str().and_then(library::shipped).filter(|_| !path.exists()) {
-        return shipped.set();
+        return shipped.set().map_err(|source| StylesError::File { path: path.to_owned(), source });
     }
     style_file::open(path).map_err(|source| StylesError::File { path: path.into(), source })
 }
