@@ -29,6 +29,7 @@ const KNOWN: &[(&str, &str, &str)] = &[
         "rms_difference",
         "dynamics/src/ground_forces.rs: differences_of_nothing_and_of_zeros",
     ),
+    ("edits/src/by_example/onto.rs", "ratio", "of bodies with a size; others are refused"),
     ("edits/src/on_fit/support.rs", "share", "a table with a number for each frame"),
     ("edits/src/style/set.rs", "share", "channels that all stand still are refused"),
     ("learn/src/ica/mod.rs", "share", "channels that all stand still are refused"),
