@@ -127,7 +127,7 @@ const LINK_PARTS: &[Part] = &[
     ("collision_checking", FOREIGN),
     ("self_collision_checking", FOREIGN),
     ("contact", FOREIGN),
-    ("surface", FOREIGN),
+    ("surface", OTHERS),
     ("gravity", OTHERS),
     ("self_collide", OTHERS),
     ("audio", FOREIGN),
