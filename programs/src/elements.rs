@@ -6,7 +6,7 @@
 //! time afterwards.
 
 use std::collections::BTreeMap;
-use std::sync::{Arc, PoisonError, RwLock, RwLockReadGuard, RwLockWriteGuard};
+use std::sync::{Arc, RwLock};
 
 use edits::succession::{Direction, moving, ranks_in_pose};
 use edits::{Selection, Selector, poses};
@@ -15,6 +15,7 @@ use motion::{Curve, Dof, Element, Label, Skeleton, Tracks};
 use rhai::{Array, Dynamic, Engine, ImmutableString};
 
 use crate::error::refuse;
+use crate::shared::{Shared, read, write};
 use crate::values::{self, Answer, number, within};
 
 /// What a program works on.
@@ -108,20 +109,9 @@ impl Work {
     }
 }
 
-/// Shared with the values that a program was handed.
-type Shared = Arc<RwLock<Work>>;
-
-fn read(work: &Shared) -> RwLockReadGuard<'_, Work> {
-    work.read().unwrap_or_else(PoisonError::into_inner)
-}
-
-fn write(work: &Shared) -> RwLockWriteGuard<'_, Work> {
-    work.write().unwrap_or_else(PoisonError::into_inner)
-}
-
 /// `script`: everything.
 #[derive(Clone)]
-pub(crate) struct ScriptHandle(Shared);
+pub(crate) struct ScriptHandle(Shared<Work>);
 
 impl ScriptHandle {
     /// The elements of `tracks`, of which some are selected.
@@ -139,19 +129,19 @@ impl ScriptHandle {
 
 /// `pose`: the selected elements of one pose of one repetition.
 #[derive(Clone)]
-pub(crate) struct PoseHandle(Shared, usize);
+pub(crate) struct PoseHandle(Shared<Work>, usize);
 
 /// `track`: all elements of one degree of freedom.
 #[derive(Clone)]
-pub(crate) struct TrackHandle(Shared, usize);
+pub(crate) struct TrackHandle(Shared<Work>, usize);
 
 /// `element`.
 #[derive(Clone)]
-pub(crate) struct ElementHandle(Shared, usize);
+pub(crate) struct ElementHandle(Shared<Work>, usize);
 
 /// Elements, one after another.
 pub(crate) struct Elements {
-    work: Shared,
+    work: Shared<Work>,
     of: Vec<usize>,
     next: usize,
 }

@@ -7,7 +7,7 @@
 
 use std::collections::BTreeMap;
 use std::ops::Range;
-use std::sync::{Arc, PoisonError, RwLock, RwLockReadGuard, RwLockWriteGuard};
+use std::sync::{Arc, RwLock};
 
 use edits::ClipPlace;
 use motion::names::hint;
@@ -15,6 +15,7 @@ use motion::{Clip, Dof, Joint, Kinematics, Skeleton, Value, Vec3};
 use rhai::{Array, Dynamic, Engine, ImmutableString};
 
 use crate::error::refuse;
+use crate::shared::{Shared, read, write};
 use crate::values::{self, Answer, finite, list, three};
 
 /// What a program works on.
@@ -107,19 +108,9 @@ impl Work {
     }
 }
 
-type Shared = Arc<RwLock<Work>>;
-
-fn read(work: &Shared) -> RwLockReadGuard<'_, Work> {
-    work.read().unwrap_or_else(PoisonError::into_inner)
-}
-
-fn write(work: &Shared) -> RwLockWriteGuard<'_, Work> {
-    work.write().unwrap_or_else(PoisonError::into_inner)
-}
-
 /// `clip`: the whole.
 #[derive(Clone)]
-pub(crate) struct ClipHandle(Shared);
+pub(crate) struct ClipHandle(Shared<Work>);
 
 /// What a program left.
 pub(crate) struct Left {
@@ -162,14 +153,14 @@ impl ClipHandle {
 
 /// `frame`.
 #[derive(Clone)]
-pub(crate) struct FrameHandle(Shared, usize);
+pub(crate) struct FrameHandle(Shared<Work>, usize);
 
 /// `joint`: one degree of freedom in one frame.
 #[derive(Clone)]
-pub(crate) struct JointHandle(Shared, usize, Dof);
+pub(crate) struct JointHandle(Shared<Work>, usize, Dof);
 
 /// The frames of the span.
-pub(crate) struct Frames(Shared, Range<usize>);
+pub(crate) struct Frames(Shared<Work>, Range<usize>);
 
 impl Iterator for Frames {
     type Item = FrameHandle;

@@ -13,6 +13,7 @@
 //! | [`values`] | joint values in degrees and metres, lists of numbers |
 //! | [`elements`], [`frames`], [`body`] | what a program sees of a script, of a clip, of the simulated body |
 //! | [`track_edit`], [`clip_edit`], [`reaction`] | a program as an edit of tracks, of clips, as a reactive property |
+//! | `shared` | what a program works on, shared with the values it was handed |
 //! | [`error`] | what can be wrong, with its place |
 //!
 //! A program is given values of its own and nothing else: no file, no clock, no random number without a seed, no module, no
@@ -30,6 +31,7 @@ pub mod limits;
 pub mod noise;
 pub mod program;
 pub mod reaction;
+mod shared;
 pub mod track_edit;
 pub mod values;
 
