@@ -45,7 +45,7 @@ fn slow_pushes() {
     let take = takes::open(support::scene("stand.ron"), &Ask::default()).unwrap();
     let engines = Engines::default();
     let settings = push::PushSettings { directions: 2, tolerance: 0.5, ..Default::default() };
-    let mut map = push::map(&take, settings, take.engine(&engines).unwrap(), &|_| {}).unwrap();
+    let mut map = push::map(&take, settings, take.searcher(&engines).unwrap(), &|_| {}).unwrap();
     map.write(&out, false, &take.files, &Progress::silent()).unwrap();
     assert!(map.min_ratio > 0.0);
     holds(&out, &["report.json"]);
@@ -67,7 +67,7 @@ fn slow_tunes() {
     };
     let session = tune::Session { spec, search, slices: 0, directions: 0, figures: false, fresh: true };
     let engine = take.engine(&engines).unwrap();
-    let (report, _) = session.run(&take, engine, &out, &mut |_| {}, &Progress::silent()).unwrap();
+    let (report, _) = session.run(&take, engine, None, &out, &mut |_| {}, &Progress::silent()).unwrap();
     assert_eq!(report.parameters.len(), 2);
     holds(&out, &["report.json"]);
 }

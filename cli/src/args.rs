@@ -50,6 +50,7 @@ Exit codes: 0 done (also when the body fell), 1 the run failed, 2 something is w
 pub use crate::analysis_args::{AnalyzeArgs, Pick, PlotArgs};
 pub use crate::pose_args::PoseArgs;
 pub use crate::propagate_args::PropagateArgs;
+pub use crate::push_args::PushArgs;
 pub use crate::retarget_args::RetargetArgs;
 pub use crate::style_args::StyleArgs;
 pub use crate::tune_args::TuneArgs;
@@ -105,9 +106,6 @@ pub struct PhysicsArgs {
     /// Strategies of balance to switch off
     #[arg(long, value_name = "STRATEGY", value_parser = word::<Strategy>(), value_delimiter = ',')]
     pub without: Vec<Strategy>,
-    /// Engine that simulates.
-    #[arg(long, value_name = "ENGINE", help = engine_help())]
-    pub engine: Option<String>,
 }
 
 impl PhysicsArgs {
@@ -173,6 +171,9 @@ pub struct RenderArgs {
     /// Muscles and simulation.
     #[command(flatten)]
     pub physics: PhysicsArgs,
+    /// Engine that simulates.
+    #[arg(long, value_name = "ENGINE", help = engine_help())]
+    pub engine: Option<String>,
     /// From where film strips are seen.
     #[arg(long, value_name = "VIEW", allow_negative_numbers = true, conflicts_with_all = ["no_plots", "pareto"], help = view_help())]
     pub view: Option<View>,
@@ -239,7 +240,7 @@ impl RenderArgs {
     pub fn ask(&self) -> Result<Ask, SceneError> {
         Ok(Ask {
             overrides: self.overrides()?,
-            engine: self.physics.engine.clone(),
+            engine: self.engine.clone(),
             body: self.body.clone(),
             import: self.clip.import(),
             edits: self.edit.clone(),
@@ -363,69 +364,6 @@ Files written into DIR:
 
 Exit codes: 0 all checks pass, 1 a check fails or an engine does, 2 something is wrong with the input.";
 
-/// Arguments of `push`.
-#[derive(Debug, Args)]
-#[command(after_help = PUSH_EXAMPLES)]
-pub struct PushArgs {
-    /// Scene (.ron, or a name of the library) of a body that stands free
-    #[arg(value_name = "SCENE")]
-    pub input: PathBuf,
-    /// Directions, evenly spaced, from forward on
-    #[arg(long, value_name = "N", default_value_t = 16, value_parser = directions)]
-    pub directions: usize,
-    /// How closely the impulses are searched, in percent of themselves
-    #[arg(long, value_name = "PERCENT", default_value_t = 1.0, value_parser = tolerance, allow_negative_numbers = true)]
-    pub tolerance: f64,
-    /// When the push begins, s: the body must have settled
-    #[arg(long, value_name = "S", default_value_t = 1.0, value_parser = push_time, allow_negative_numbers = true)]
-    pub at: f64,
-    /// Folder to write into; an earlier map there is replaced when all is complete
-    /// [default: out/NAME-push]
-    #[arg(short, long, value_name = "DIR")]
-    pub out: Option<PathBuf>,
-    /// Muscles and simulation.
-    #[command(flatten)]
-    pub physics: PhysicsArgs,
-    /// Draw nothing
-    #[arg(long)]
-    pub no_plots: bool,
-    /// Print the map as JSON, and nothing else, on standard output
-    #[arg(long)]
-    pub json: bool,
-}
-
-const PUSH_EXAMPLES: &str = "\
-Examples:
-  contrapposto push scenes/stand.ron
-  contrapposto push scenes/stand.ron --directions 4 --tolerance 5
-  contrapposto push scenes/stand.ron --tension 2 --out out/stiff
-  contrapposto push scenes/stand.ron --engine mujoco --directions 8 --tolerance 4
-  contrapposto push scenes/stand.ron --without hip,weight --out out/ankles
-  contrapposto push scenes/stand.ron --json | jq .mean_ratio
-
-A push is a constant horizontal force over 0.1 s at the body's centre of mass. It is survived if no foot moves more
-than 1 cm, the body does not fall, and 5 s later the centre of mass is back within 2 cm. The limit is that of an
-upright body that only moves its centre of pressure; see docs/PUSH.md.
-
-Files written into DIR:
-  report.json       the map, see docs/PUSH.md
-  plots/push.svg    survived against limit, seen from above (and push.png)
-
-Same input, same bytes, on any number of threads (RAYON_NUM_THREADS).
-Exit codes: 0 done, 1 the body does not stand or the run failed, 2 something is wrong with the input.";
-
-impl PushArgs {
-    /// The same as the map takes it.
-    pub fn settings(&self) -> PushSettings {
-        PushSettings {
-            directions: self.directions,
-            tolerance: 0.01 * self.tolerance,
-            at_s: self.at,
-            ..PushSettings::default()
-        }
-    }
-}
-
 /// Arguments of `convert`.
 #[derive(Debug, Args)]
 #[command(after_help = CONVERT_EXAMPLES)]
@@ -526,16 +464,14 @@ fn states(text: &str) -> Result<usize, String> {
     whole(text, 1, 100_000)
 }
 
-fn directions(text: &str) -> Result<usize, String> {
+/// Directions of a push map.
+pub fn directions(text: &str) -> Result<usize, String> {
     whole(text, 1, 360)
 }
 
-fn tolerance(text: &str) -> Result<f64, String> {
+/// How closely its impulses are searched.
+pub fn tolerance(text: &str) -> Result<f64, String> {
     number(text, 0.01, 50.0, " %")
-}
-
-fn push_time(text: &str) -> Result<f64, String> {
-    number(text, 0.05, 600.0, " s")
 }
 
 fn substeps(text: &str) -> Result<usize, String> {

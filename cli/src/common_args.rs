@@ -5,6 +5,8 @@ use formats::bvh::{Axis, ImportOptions, OffsetRule, TPoseRule};
 use motion::names::Word;
 use plots::ViewName;
 
+use takes::{ENGINE, SEARCH_ENGINE};
+
 use crate::engines;
 use crate::words::word;
 
@@ -79,7 +81,12 @@ pub fn view_help() -> String {
 
 /// What `--engine` takes.
 pub fn engine_help() -> String {
-    format!("Engine that simulates: {} [default: the scene's, rapier]", engines::help())
+    format!("Engine that simulates: {} [default: the scene's, {ENGINE}]", engines::help())
+}
+
+/// What `--engine` of a command that searches takes.
+pub fn searcher_help() -> String {
+    format!("Engine that searches: {} [default: the scene's, {SEARCH_ENGINE}]", engines::help())
 }
 
 /// A number in a range.

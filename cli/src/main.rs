@@ -14,7 +14,7 @@
 //! | [`analysis_text`] | what `analyze` says at the end |
 //! | [`engines`] | the engines to choose from |
 //! | [`mod@crosscheck`] | forces against MuJoCo |
-//! | [`push`] | how hard a standing body can be pushed |
+//! | [`push`], [`push_args`] | how hard a standing body can be pushed |
 //! | [`tune`], [`tune_args`] | tension and balance chosen by a search |
 //! | [`sweep`] | the same over a grid, in parts |
 //! | [`mod@retarget`] | a human motion on a character |
@@ -48,6 +48,7 @@ mod progress;
 mod propagate;
 mod propagate_args;
 mod push;
+mod push_args;
 mod render;
 mod retarget;
 mod retarget_args;

@@ -10,7 +10,7 @@ use takes::Take;
 use takes::results::folder::{Overwrite, write_file};
 
 use crate::args::TuneArgs;
-use crate::engines::engines;
+use crate::engines::{confirming, engines};
 use crate::failure::Failure;
 use crate::output;
 use crate::progress::progress;
@@ -30,7 +30,7 @@ pub fn run(args: &TuneArgs, take: &Take) -> Result<(), Failure> {
     let (axes, shard) = args.grid()?;
     let grid = Grid::new(axes)?;
     let engines = engines();
-    let engine = take.engine(&engines)?;
+    let engine = take.searcher(&engines)?;
     let cost = Cost::new(take, &take.tune, engine)?;
     let identity = grid.identity(&take.name, &tune::digest(take, &take.tune));
     let dir = folder(args, take)?;
@@ -52,7 +52,27 @@ pub fn run(args: &TuneArgs, take: &Take) -> Result<(), Failure> {
         grid.len(),
         if missing == 0 { String::new() } else { format!(", {missing} of this shard missing") }
     );
-    finish(args, &dir, &table.head, &all, text)
+    let second = if missing == 0 { confirmed(args, take, &table.head, &all)? } else { None };
+    finish(args, &dir, &table.head, &all, text, second)
+}
+
+/// The best sample costed in a second engine: its name, and the cost there.
+fn confirmed(
+    args: &TuneArgs,
+    take: &Take,
+    head: &Head,
+    all: &BTreeMap<usize, Sample>,
+) -> Result<Option<(String, f64)>, Failure> {
+    let engines = engines();
+    let Some(second) = confirming(&engines, &args.confirm, take.searcher(&engines)?)? else {
+        return Ok(None);
+    };
+    let Some((_, best)) = sweep_results::best(all) else { return Ok(None) };
+    let cost = Cost::new(take, &take.tune, second)?;
+    Ok(Some((
+        second.name().to_owned(),
+        cost.evaluate(&cost.with_named(head.parameters().into_iter().zip(best.values.iter().copied()))).cost,
+    )))
 }
 
 /// Merges tables.
@@ -77,13 +97,18 @@ pub fn merge(args: &TuneArgs, take: &Take) -> Result<(), Failure> {
     sweep::check_replaceable(&path)?;
     let text = table.head.table(all.iter().map(|(i, s)| (*i, s)));
     write_file(&path, text.as_bytes(), Overwrite::Allow, &args.merge)?;
-    let text = match sweep::samples_of(&table.head.identity) {
+    let (text, second) = match sweep::samples_of(&table.head.identity) {
         Some(n) if n > all.len() => {
-            format!("{}: {} of {n} samples; {} are missing\n", take.name, all.len(), n - all.len())
+            let text =
+                format!("{}: {} of {n} samples; {} are missing\n", take.name, all.len(), n - all.len());
+            (text, None)
         }
-        _ => format!("{}: all {} samples\n", take.name, all.len()),
+        _ => {
+            let text = format!("{}: all {} samples\n", take.name, all.len());
+            (text, confirmed(args, take, &table.head, &all)?)
+        }
     };
-    finish(args, &dir, &table.head, &all, text)
+    finish(args, &dir, &table.head, &all, text, second)
 }
 
 /// Figure and summary of what the table holds.
@@ -93,6 +118,7 @@ fn finish(
     head: &Head,
     all: &BTreeMap<usize, Sample>,
     mut text: String,
+    second: Option<(String, f64)>,
 ) -> Result<(), Failure> {
     let names = head.parameters();
     let best = sweep_results::best(all);
@@ -103,6 +129,9 @@ fn finish(
     if let Some((index, s)) = best {
         let values: Vec<String> = names.iter().zip(&s.values).map(|(n, x)| format!("{n} = {x}")).collect();
         text += &format!("  least cost {:.4} at {} (sample {index})\n", s.cost, values.join(", "));
+        if let Some((engine, cost)) = &second {
+            text += &format!("  the same point costs {cost:.4} in {engine}\n");
+        }
     }
     let files: Vec<String> = files.iter().map(|f| f.display().to_string()).collect();
     text += &format!("  files      {}\n", files.join("\n             "));
@@ -117,6 +146,6 @@ fn finish(
             serde_json::json!({ "index": i, "cost": s.cost, "terms": terms, "survived": s.survived, "values": values })
         })
         .collect();
-    let json = serde_json::json!({ "best": best.map(|(i, _)| i), "samples": samples });
+    let json = serde_json::json!({ "best": best.map(|(i, _)| i), "confirmed": second.map(|(engine, cost)| serde_json::json!({ "engine": engine, "cost": cost })), "samples": samples });
     output::json(&json)
 }

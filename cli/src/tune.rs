@@ -7,7 +7,7 @@ use studies::tune::{self, Search, SearchStart, Session, TERMS, TuneReport, page}
 use takes::{Ask, Overrides, Take};
 
 use crate::args::TuneArgs;
-use crate::engines::engines;
+use crate::engines::{confirming, engines};
 use crate::failure::Failure;
 use crate::output;
 use crate::progress::progress;
@@ -87,9 +87,10 @@ fn search(args: &TuneArgs, take: &Take) -> Result<(), Failure> {
         }
     };
     let engines = engines();
-    let engine = take.engine(&engines)?;
+    let engine = take.searcher(&engines)?;
+    let second = confirming(&engines, &args.confirm, engine)?;
     let progress = progress();
-    let (report, undrawn) = session.run(take, engine, &dir, &mut announce, &progress)?;
+    let (report, undrawn) = session.run(take, engine, second, &dir, &mut announce, &progress)?;
     drop(progress);
     output::print(&if args.json { report.to_json() } else { summary(&report, &dir) })?;
     output::undrawn(&undrawn, &dir)
@@ -110,10 +111,19 @@ fn summary(report: &TuneReport, dir: &Path) -> String {
             p.unit
         );
     }
-    text += "\n  term                    before      after\n";
+    let second = |text: &str| report.confirmed.as_ref().map_or_else(String::new, |_| format!("  {text:>21}"));
+    let engine = report.confirmed.as_ref().map_or("", |c| c.engine.as_str());
+    text += &format!(
+        "\n  term                    before      after{}\n",
+        second(&format!("in {engine}: before  after"))
+    );
     for name in TERMS {
         let (a, b) = (report.before.terms[name], report.after.terms[name]);
-        text += &format!("  {name:<18} {:>11} {:>10}\n", number(a), number(b));
+        let both = report.confirmed.as_ref().map_or_else(String::new, |c| {
+            format!("{}  {}", number(c.before.terms[name]), number(c.after.terms[name]))
+        });
+        let row = format!("  {name:<18} {:>11} {:>10}{}", number(a), number(b), second(&both));
+        text += &format!("{}\n", row.trim_end());
     }
     text += &format!(
         "\n  {}, seed {}, start {}, {} points of {} runs each\n",

@@ -6,7 +6,9 @@ use clap::Args;
 use motion::names::Word;
 use studies::tune::{Axis, SearchStart, Shard, SolverKind};
 
-use crate::common_args::{engine_help, whole};
+use takes::ENGINE;
+
+use crate::common_args::{searcher_help, whole};
 use crate::words::word;
 
 /// Arguments of `tune`.
@@ -46,9 +48,12 @@ pub struct TuneArgs {
     /// Patch of tension and balance to start from
     #[arg(long, value_name = "FILE.ron")]
     pub patch: Option<PathBuf>,
-    /// Engine that simulates.
-    #[arg(long, value_name = "ENGINE", help = engine_help())]
+    /// Engine that searches.
+    #[arg(long, value_name = "ENGINE", help = searcher_help())]
     pub engine: Option<String>,
+    /// Engine that costs the scene as it was and the best point once more; `none` leaves it out
+    #[arg(long, value_name = "ENGINE", default_value = ENGINE)]
+    pub confirm: String,
     /// Forget what an earlier run left in the folder instead of going on with it
     #[arg(long, conflicts_with = "merge")]
     pub fresh: bool,

@@ -15,6 +15,9 @@ use crate::ProgramSpec;
 /// The engine that performs where no other is named.
 pub const ENGINE: &str = "rapier";
 
+/// The engine in which a study searches (many short runs) where no other is named.
+pub const SEARCH_ENGINE: &str = "core";
+
 /// Numbers of the dynamic pass.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Physics {
@@ -122,8 +125,8 @@ pub struct ConditionsSpec {
     pub gazes: Vec<Timed<Gaze>>,
     /// Programs of the user: reactive properties that act after the gazes.
     pub programs: Vec<ProgramSpec>,
-    /// Name of the engine that performs.
-    pub engine: String,
+    /// Name of the engine asked for; `None`: [`ENGINE`] performs, [`SEARCH_ENGINE`] serves searches.
+    pub engine: Option<String>,
 }
 
 impl ConditionsSpec {
@@ -137,7 +140,7 @@ impl ConditionsSpec {
             carried: Vec::new(),
             gazes: Vec::new(),
             programs: Vec::new(),
-            engine: ENGINE.into(),
+            engine: None,
         }
     }
 }

@@ -40,7 +40,7 @@ fn conditions_have_the_values_of_the_text() {
     );
     let p = &s.conditions.physics;
     assert_eq!((s.rate_hz, p.rate_hz, p.substeps, p.tension), (Some(60.0), Some(480.0), Some(3), 1.5));
-    assert_eq!(s.conditions.engine, "mujoco");
+    assert_eq!(s.conditions.engine.as_deref(), Some("mujoco"));
     assert_eq!(p.root, RootMode::Assisted { force_n: 80.0, moment_nm: 20.0 });
     assert_eq!((p.balance.ankle_stiffness, p.balance.arms), (Some(0.8), true));
     close(p.gravity, [0.0, -1.62, 0.0]);

@@ -94,7 +94,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
                     let ask = Ask { overrides, ..Ask::default() };
                     let run = |engine: &str| -> Result<(Outcome, f64), Box<dyn std::error::Error>> {
                         let mut take = takes::open(support::scene(&format!("{name}.ron")), &ask)?;
-                        take.conditions.engine = engine.into();
+                        take.conditions.engine = Some(engine.into());
                         let start = Instant::now();
                         let outcome = take.outcome(&engines, &mut |_| {})?;
                         let seconds = outcome.trace.rows() as f64 / outcome.trace.rate_hz;

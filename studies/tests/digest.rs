@@ -184,7 +184,7 @@ const CHANGES: &[(&str, Change)] = &[
     }),
     ("time of a program", |t, _| t.conditions.programs[0] = t.conditions.programs[0].shifted(0.1)),
     ("no program", |t, _| t.conditions.programs.clear()),
-    ("engine", |t, _| t.conditions.engine = "mujoco".into()),
+    ("engine", |t, _| t.conditions.engine = Some("mujoco".into())),
     ("parameters", |_, s| {
         s.parameters.pop();
     }),

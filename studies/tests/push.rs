@@ -5,7 +5,7 @@ use std::sync::Arc;
 use dynamics::RootMode;
 use scenes::scene;
 use sim::EngineEntry;
-use studies::push::{PushError, PushSettings, PushTest, Verdict, map};
+use studies::push::{PushError, PushSettings, PushTest, Verdict, confirm, map};
 use takes::open::of_scene;
 use takes::{Ask, Take};
 
@@ -123,4 +123,28 @@ fn slow_a_map_tells_how_far_it_is() {
     assert!(told.len() >= 8, "{told:?}");
     assert!(told.windows(2).all(|w| w[1] >= w[0]) && told[0] < 0.5, "{told:?}");
     assert_eq!(told.last(), Some(&1.0));
+}
+
+/// A border found in the core lies between two pushes of rapier; a border that is wrong by a quarter does not, and is said not to.
+#[test]
+fn slow_a_second_engine_confirms_what_is_right_and_nothing_else() {
+    let settings = PushSettings { tolerance: 0.02, ..quick(2) };
+    let take = standing();
+    let (core, rapier) = (sim::core::engine(), EngineEntry::default());
+    let mut found = map(&take, settings, &core, &|_| {}).unwrap();
+    let right = confirm(&found, &take, settings, &rapier, &|_| {}).unwrap();
+    assert_eq!(
+        (right.engine.as_str(), right.confirmed, right.directions.len()),
+        ("rapier", 2, 2),
+        "{right:?}"
+    );
+    // a map that promises too much forward, and too little backward
+    found.directions[0].survived_ns *= 1.25;
+    found.directions[0].failed_ns *= 1.25;
+    found.directions[1].survived_ns *= 0.75;
+    found.directions[1].failed_ns *= 0.75;
+    let wrong = confirm(&found, &take, settings, &rapier, &|_| {}).unwrap();
+    assert_eq!(wrong.confirmed, 0, "{wrong:?}");
+    assert_ne!(wrong.directions[0].inside, "survived");
+    assert_eq!(wrong.directions[1].outside, "survived");
 }

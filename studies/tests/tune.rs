@@ -241,10 +241,25 @@ fn slow_a_search_tells_how_far_it_is() {
         takes::Event::Fraction(x) => told.last_mut().expect("a part").1.push(x),
         takes::Event::Note(_) => {}
     });
-    session.run(&take, &EngineEntry::default(), folder.path(), &mut |_| {}, &progress).unwrap();
+    let (report, _) = session
+        .run(
+            &take,
+            &sim::core::engine(),
+            Some(&EngineEntry::default()),
+            folder.path(),
+            &mut |_| {},
+            &progress,
+        )
+        .unwrap();
     drop(progress);
     let parts: Vec<&str> = told.iter().map(|(name, _)| name.as_str()).collect();
     assert_eq!(parts[..2], ["searching", "slicing"], "{told:?}");
+    // two engines, two costs: of a body that both keep on its feet they are near each other
+    let second = report.confirmed.unwrap();
+    assert_eq!((report.engine.as_str(), second.engine.as_str()), ("core", "rapier"));
+    let (here, there) = (&report.before, &second.before);
+    assert_eq!(here.survived, there.survived);
+    assert!(here != there && (here.cost - there.cost).abs() < 0.05 * there.cost, "{here:?} {there:?}");
     for (name, fractions) in &told[..2] {
         assert!(fractions.len() >= 2, "{name}: {fractions:?}");
         assert!(fractions.is_sorted() && fractions.last() == Some(&1.0), "{name}: {fractions:?}");

@@ -174,8 +174,8 @@ pub(crate) fn take(
     let ClipInput { name, shown, clip: mut source, import, body, guess, map, mut files } = input;
     if scene.is_none() {
         ask.overrides.apply(&mut spec.physics, &body.character);
-        if let Some(engine) = &ask.engine {
-            spec.engine.clone_from(engine);
+        if ask.engine.is_some() {
+            spec.engine.clone_from(&ask.engine);
         }
     }
     let character = &body.character;

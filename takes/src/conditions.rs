@@ -9,7 +9,7 @@ use dynamics::conditions::Push;
 use motion::{Floor, Tilt, TimeMap};
 use programs::Reaction;
 use scenes::SceneError;
-use scenes::conditions::{Clock, ConditionsSpec, Physics, Timed};
+use scenes::conditions::{Clock, ConditionsSpec, ENGINE, Physics, SEARCH_ENGINE, Timed};
 use scenes::scene::Scene;
 
 /// What acts on the body of a take. See the module header.
@@ -27,8 +27,8 @@ pub struct Conditions {
     pub gazes: Vec<Gaze>,
     /// Programs of the user: reactive properties that act after the gazes.
     pub programs: Vec<Reaction>,
-    /// Name of the engine that performs.
-    pub engine: String,
+    /// Name of the engine that was asked for, if one was: [`Conditions::performer`], [`Conditions::searcher`].
+    pub engine: Option<String>,
 }
 
 impl Conditions {
@@ -77,6 +77,16 @@ impl Conditions {
             programs,
             engine: spec.engine.clone(),
         }
+    }
+
+    /// Name of the engine that performs: the one asked for, else rapier.
+    pub fn performer(&self) -> &str {
+        self.engine.as_deref().unwrap_or(ENGINE)
+    }
+
+    /// Name of the engine in which studies search: the one asked for, else the core.
+    pub fn searcher(&self) -> &str {
+        self.engine.as_deref().unwrap_or(SEARCH_ENGINE)
     }
 
     /// The same conditions with all times moved by `by_s` seconds.

@@ -74,6 +74,7 @@ pub use results::analysis_report::AnalysisReport;
 pub use results::report::Report;
 pub use results::write::{What, WriteError, Written};
 pub use retarget;
+pub use scenes::conditions::{ENGINE, SEARCH_ENGINE};
 pub use scenes::{Overrides, Patch, SceneError, character_file, library, overrides};
 pub use sim::{EngineEntry, Engines, Outcome, UnknownEngine};
 pub use take::{Asked, Body, ClipSource, RetargetSource, Source, Take};

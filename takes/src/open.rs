@@ -66,8 +66,8 @@ fn of_scene_in(mut scene: Scene, ask: &Ask, opening: &Opening) -> Result<Take, T
         return Err(TakeError::Edits { path: scene.source.path().display().to_string() });
     }
     ask.overrides.apply(&mut scene.conditions.physics, &scene.character);
-    if let Some(engine) = &ask.engine {
-        scene.conditions.engine.clone_from(engine);
+    if ask.engine.is_some() {
+        scene.conditions.engine.clone_from(&ask.engine);
     }
     match &scene.motion {
         SceneSource::Script(script) => Ok(script::take(&scene, script, ask)?),

@@ -114,12 +114,20 @@ impl Take {
         Ok(Performed { take: self, runs })
     }
 
-    /// The engine that its conditions name.
+    /// The engine that performs it.
     ///
     /// # Errors
     /// [`UnknownEngine`], with the nearest name.
     pub fn engine<'a>(&self, engines: &'a Engines) -> Result<&'a EngineEntry, UnknownEngine> {
-        engines.get(&self.conditions.engine)
+        engines.get(self.conditions.performer())
+    }
+
+    /// The engine in which a study of it searches.
+    ///
+    /// # Errors
+    /// [`UnknownEngine`], with the nearest name.
+    pub fn searcher<'a>(&self, engines: &'a Engines) -> Result<&'a EngineEntry, UnknownEngine> {
+        engines.get(self.conditions.searcher())
     }
 
     /// Whether muscles can make the motion at all.

@@ -9,7 +9,7 @@ use motion::{Floor, Vec3};
 
 use super::Check;
 use crate::SceneError;
-use crate::conditions::{ConditionsSpec, ENGINE, Physics};
+use crate::conditions::{ConditionsSpec, Physics};
 use crate::overrides::{RATES, SUBSTEPS, TENSIONS, set_fidelity};
 use crate::schema::{AssistRon, BalanceRon, GroundRon, PlaneRon, RootRon, SceneRon};
 
@@ -17,11 +17,11 @@ impl Check<'_> {
     /// All conditions but those that a patch changes.
     pub(crate) fn conditions(&self, ron: &SceneRon, physics: Physics) -> Result<ConditionsSpec, SceneError> {
         let engine = match &ron.engine {
-            None => ENGINE.into(),
+            None => None,
             Some(name) if name.trim().is_empty() => {
                 return Err(self.source.error("engine", "the name of the engine is empty"));
             }
-            Some(name) => name.clone(),
+            Some(name) => Some(name.clone()),
         };
         Ok(ConditionsSpec {
             height_given: matches!(ron.world.ground.0, GroundRon::Plane(PlaneRon { height_m: Some(_), .. })),

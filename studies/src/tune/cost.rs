@@ -185,6 +185,11 @@ impl Cost {
         })
     }
 
+    /// Name of the engine in which runs are simulated.
+    pub fn engine(&self) -> &str {
+        self.engine.name()
+    }
+
     /// Runs that are costed.
     pub fn runs(&self) -> usize {
         self.probes.len()
@@ -204,6 +209,17 @@ impl Cost {
         let mut t = self.base;
         for (p, x) in self.parameters.iter().zip(values) {
             p.set(&mut t, *x);
+        }
+        t
+    }
+
+    /// The settings with these parameters set, whether they are searched or not: names and values; a name that is none is passed over.
+    pub fn with_named<'a>(&self, values: impl IntoIterator<Item = (&'a str, f64)>) -> Tunable {
+        let mut t = self.base;
+        for (name, x) in values {
+            if let Some(p) = controllers::parameter(name) {
+                p.set(&mut t, x);
+            }
         }
         t
     }

@@ -265,7 +265,7 @@ fn shape(d: &mut Digest, shape: &Shape) {
 }
 
 fn conditions(d: &mut Digest, conditions: &Conditions) {
-    let Conditions { physics: numbers, tilts, pushes, carried, gazes, programs, engine } = conditions;
+    let Conditions { physics: numbers, tilts, pushes, carried, gazes, programs, engine: _ } = conditions;
     physics(d, numbers);
     d.list(tilts, |d, tilt| {
         let Tilt { start_s, duration_s, tilt, towards, curve: shape } = tilt;
@@ -296,7 +296,7 @@ fn conditions(d: &mut Digest, conditions: &Conditions) {
             d.text(value);
         });
     });
-    d.text(engine);
+    d.text(conditions.searcher());
 }
 
 fn gaze(d: &mut Digest, gaze: &Gaze) {

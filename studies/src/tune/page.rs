@@ -120,12 +120,18 @@ figure {{ margin: 2em 0 }} svg {{ max-width: 100%; height: auto }}
 pub fn verdict(report: &TuneReport) -> String {
     let (a, b) = (report.before.cost, report.after.cost);
     let better = if b < a { "lower" } else { "not lower" };
-    let mut text = format!("The cost is {better}: {a:.4} before, {b:.4} after.");
+    let mut text = format!("The cost in {} is {better}: {a:.4} before, {b:.4} after.", report.engine);
+    if let Some(c) = &report.confirmed {
+        let (a, b) = (c.before.cost, c.after.cost);
+        let word = if b < a { "confirms it" } else { "does not confirm it" };
+        text += &format!(" {} {word}: {a:.4} before, {b:.4} after.", c.engine);
+    }
     if let Some(map) = &report.push_map
         && let (Some(after), Some(part)) = (map.mean_ratio_after, map.after_over_before)
     {
         text += &format!(
-            " Pushes survived: {:.1} % of the limit before, {:.1} % after ({:.1} % of before).",
+            " Pushes survived in {}: {:.1} % of the limit before, {:.1} % after ({:.1} % of before).",
+            report.engine,
             100.0 * map.mean_ratio_before,
             100.0 * after,
             100.0 * part

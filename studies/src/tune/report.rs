@@ -32,6 +32,10 @@ pub struct TuneReport {
     pub before: CostReport,
     /// The cost of the best point.
     pub after: CostReport,
+    /// Engine in which points were costed.
+    pub engine: String,
+    /// The same two costs in a second engine; null where none was asked.
+    pub confirmed: Option<ConfirmedCosts>,
     /// What changed, by parameter in the order of the table.
     pub parameters: Vec<ParameterReport>,
     /// The full push map before and after; null where none was asked for or a body does not stand.
@@ -40,6 +44,17 @@ pub struct TuneReport {
     pub push_map_missing: Option<String>,
     /// Files written, by what they hold; paths relative to the report.
     pub files: BTreeMap<String, String>,
+}
+
+/// Costs in a second engine.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct ConfirmedCosts {
+    /// The second engine.
+    pub engine: String,
+    /// The cost of the scene as it was.
+    pub before: CostReport,
+    /// The cost of the best point.
+    pub after: CostReport,
 }
 
 /// One cost.
@@ -119,7 +134,7 @@ impl MapReport {
 impl TuneReport {
     /// From what was found; files are added by who writes them.
     pub fn new(
-        scene: &str,
+        (scene, engine): (&str, &str),
         how: &Search,
         parameters: &[&'static Parameter],
         (evaluations, runs): (usize, usize),
@@ -143,6 +158,8 @@ impl TuneReport {
             runs,
             before: CostReport::of(before),
             after: CostReport::of(after),
+            engine: engine.into(),
+            confirmed: None,
             parameters: parameters.iter().enumerate().map(change).collect(),
             push_map: None,
             push_map_missing: None,

@@ -10,6 +10,8 @@ pub struct SearchResult {
     pub before: Sample,
     /// The best point.
     pub after: Sample,
+    /// The same two in a second engine, by its name.
+    pub confirmed: Option<(String, [Sample; 2])>,
     /// All points.
     pub samples: Vec<Sample>,
     /// Costs along the parameters.

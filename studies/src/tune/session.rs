@@ -14,7 +14,7 @@ use takes::results::write::{Undrawn, write_report};
 use takes::{Progress, Take, WriteError};
 
 use super::journal::Head;
-use super::report::MapReport;
+use super::report::{ConfirmedCosts, CostReport, MapReport};
 use super::{
     Cost, Sample, Search, SearchResult, TuneError, TuneReport, TuneSpec, best, identity, journal, page,
     search, slices,
@@ -136,7 +136,8 @@ impl Session {
     }
 
     /// Searches, and writes everything into `dir`. `known` is called with the
-    /// number of points that an earlier run left.
+    /// number of points that an earlier run left. Points are costed in `engine`; `confirm` costs the scene as it was and the best
+    /// point once more.
     ///
     /// # Errors
     /// [`SessionError`]. Figures that cannot be drawn are returned.
@@ -144,6 +145,7 @@ impl Session {
         &self,
         take: &Take,
         engine: &EngineEntry,
+        confirm: Option<&EngineEntry>,
         dir: &Path,
         known: &mut dyn FnMut(usize),
         progress: &Progress<'_>,
@@ -170,9 +172,28 @@ impl Session {
             lines = slices(&cost, &spec.parameters, &after, self.slices, &|x| progress.at(x));
         }
         let (maps, missing) = self.maps(take, engine, &cost, &after, progress);
-        let result = SearchResult { before, after, samples, slices: lines, maps, missing };
+        let confirmed = match confirm {
+            None => None,
+            Some(engine) => Some((engine.name().to_owned(), self.confirmed(take, engine, &after, progress)?)),
+        };
+        let result = SearchResult { before, after, confirmed, samples, slices: lines, maps, missing };
         drop(state);
         self.write(take, &cost, &result, dir, progress)
+    }
+
+    /// The scene as it was and the best point, costed in another engine.
+    fn confirmed(
+        &self,
+        take: &Take,
+        engine: &EngineEntry,
+        best: &Sample,
+        progress: &Progress<'_>,
+    ) -> Result<[Sample; 2], TuneError> {
+        progress.part("confirming");
+        let cost = Cost::new(take, &self.spec, engine)?;
+        let before = cost.evaluate(&take.tunable());
+        progress.at(0.5);
+        Ok([before, cost.evaluate(&cost.with_values(&best.values))])
     }
 
     /// Push maps of the take as it was and as it is tuned. A body that does not stand by itself has no map: a result here,
@@ -212,8 +233,19 @@ impl Session {
     ) -> Result<(TuneReport, Vec<Undrawn>), SessionError> {
         let Self { spec, search: how, .. } = self;
         let counts = (result.samples.len(), cost.runs());
-        let mut report =
-            TuneReport::new(&take.name, how, &spec.parameters, counts, &result.before, &result.after);
+        let mut report = TuneReport::new(
+            (&take.name, cost.engine()),
+            how,
+            &spec.parameters,
+            counts,
+            &result.before,
+            &result.after,
+        );
+        report.confirmed = (result.confirmed.as_ref()).map(|(engine, [before, after])| ConfirmedCosts {
+            engine: engine.clone(),
+            before: CostReport::of(before),
+            after: CostReport::of(after),
+        });
         report.push_map = result.maps.as_ref().map(|(a, b)| MapReport::of(a, b.as_ref()));
         report.push_map_missing.clone_from(&result.missing);
         let drawn = if self.figures { page::figures(take, result) } else { Vec::new() };

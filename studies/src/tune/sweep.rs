@@ -379,11 +379,8 @@ pub fn run(
             .par_iter()
             .with_max_len(1)
             .map(|&i| {
-                let mut t = cost.with_values(&[]);
-                for (axis, x) in grid.axes.iter().zip(grid.values(i)) {
-                    axis.parameter.set(&mut t, x);
-                }
-                let mut sample = cost.evaluate(&t);
+                let names = grid.axes.iter().map(|a| a.parameter.name);
+                let mut sample = cost.evaluate(&cost.with_named(names.zip(grid.values(i))));
                 sample.values = grid.values(i);
                 sample
             })
