@@ -320,7 +320,7 @@ pub struct CrosscheckArgs {
     /// may be given several times
     #[arg(long, value_name = "FAULT")]
     pub inject: Vec<crosscheck::Injection>,
-    /// Compare the push-recovery maps of both engines too (a scene that stands; takes minutes)
+    /// Compare the push-recovery maps of all engines too (a scene that stands; takes minutes)
     #[arg(long)]
     pub push_map: bool,
     /// Directions of the push maps, evenly spaced, from forward on
@@ -359,7 +359,7 @@ Files written into DIR:
   crosscheck.html   the table with overlay plots
   crosscheck.json   the table for machines, see docs/CROSSCHECK.md
   crosscheck.txt    the table as text
-  trace.npz, mujoco/trace.npz   a standing scene in both engines: contrapposto plot DIR --what contact
+  trace.npz, core/trace.npz, mujoco/trace.npz   a standing scene in each engine: contrapposto plot DIR --what contact
   plots/            the figures, each as .svg and .png
 
 Exit codes: 0 all checks pass, 1 a check fails or an engine does, 2 something is wrong with the input.";

@@ -11,10 +11,10 @@ use std::sync::Arc;
 use bodies::{Body, Character, JointClass};
 use motion::{Floor, Joint, Link, Quat, Shape, Skeleton, Vec3};
 use nalgebra::Matrix3;
-use sim::{ContactLaw, Engine, EngineError, EngineSettings, rapier};
+use sim::{ContactLaw, Engine, EngineError, EngineSettings, core, rapier};
 
 use crate::bridge::Shared;
-use crate::check::{Check, Measure, ratio};
+use crate::check::{Check, CoreSeen, Measure, ratio};
 use crate::engine::{engine_in, standing};
 use crate::mujoco::Integration;
 
@@ -78,13 +78,16 @@ pub fn resting_box(bridge: &Shared) -> Result<Vec<Check>, EngineError> {
         let gravity = Vec3::new(G * f64::sin(tilt), -G * f64::cos(tilt), 0.0);
         let settings = box_settings(240.0, gravity, ContactLaw::Stiff);
         let mut ours = rapier::engine().build(&character, settings, &q, &v)?;
+        let mut fast = core::engine().build(&character, settings, &q, &v)?;
         let mut theirs = engine_in(bridge, standing()).build(&character, settings, &q, &v)?;
         let last = |f: Vec<Vec3>| f[f.len() - 60..].iter().sum::<Vec3>() / 60.0;
         let (a, b) = (last(forces(ours.as_mut(), 480)?), last(forces(theirs.as_mut(), 480)?));
+        let c = last(forces(fast.as_mut(), 480)?);
         let expected = -gravity * BOX_MASS;
         let weight = BOX_MASS * G;
         let mut both = |what: &str, axis: usize| {
-            let error = (a[axis] - expected[axis]).abs().max((b[axis] - expected[axis]).abs());
+            let off = |x: Vec3| (x[axis] - expected[axis]).abs();
+            let (error, core) = (off(a).max(off(b)), off(c) / weight);
             checks.push(
                 Check::of(
                     &format!("{name}: {what}"),
@@ -95,6 +98,7 @@ pub fn resting_box(bridge: &Shared) -> Result<Vec<Check>, EngineError> {
                     1e-3,
                     Measure::Relative,
                 )
+                .with_core_errors(CoreSeen { value: c[axis], to_rapier: core, to_mujoco: core })
                 .at(format!("against {:.4} N", expected[axis])),
             );
         };
@@ -142,8 +146,8 @@ pub struct LandingRun {
     pub checks: Vec<Check>,
     /// Steps per second.
     pub rate_hz: f64,
-    /// Vertical forces, N: rapier's and MuJoCo's.
-    pub force: [Vec<f64>; 2],
+    /// Vertical forces, N: rapier's, MuJoCo's and the core's.
+    pub force: [Vec<f64>; 3],
 }
 
 /// A box dropped flat onto springs of matched compliance.
@@ -155,28 +159,39 @@ pub struct LandingRun {
 /// # Errors
 /// Of either engine.
 pub fn landing(bridge: &Shared) -> Result<LandingRun, EngineError> {
-    let (a, theirs) = drop(bridge, BOX_RATE_HZ, LANDING_HZ)?;
-    let (ours, mujoco) = (first_contact(&a, BOX_RATE_HZ)?, first_contact(&theirs, BOX_RATE_HZ)?);
+    let landings = |forces: &[Vec<Vec3>; 3], rate_hz: f64| -> Result<[Landing; 3], EngineError> {
+        Ok([
+            first_contact(&forces[0], rate_hz)?,
+            first_contact(&forces[1], rate_hz)?,
+            first_contact(&forces[2], rate_hz)?,
+        ])
+    };
+    let forces = drop(bridge, BOX_RATE_HZ, LANDING_HZ)?;
+    let [ours, mujoco, core] = landings(&forces, BOX_RATE_HZ)?;
     let half_step = drop(bridge, 2.0 * BOX_RATE_HZ, LANDING_HZ)?;
-    let finer = first_contact(&half_step.0, 2.0 * BOX_RATE_HZ)?;
-    let reference = first_contact(&half_step.1, 2.0 * BOX_RATE_HZ)?;
-    let gap = [(ours.peak - reference.peak) / reference.peak, (finer.peak - reference.peak) / reference.peak];
+    let [finer, reference, finer_core] = landings(&half_step, 2.0 * BOX_RATE_HZ)?;
+    let off = |l: &Landing| (l.peak - reference.peak) / reference.peak;
+    let (gap, core_gap) = ([off(&ours), off(&finer)], [off(&core), off(&finer_core)]);
     let stiffer = drop(bridge, BOX_RATE_HZ, 2.0 * LANDING_HZ)?;
-    let stiffer =
-        [first_contact(&stiffer.0, BOX_RATE_HZ)?.peak, first_contact(&stiffer.1, BOX_RATE_HZ)?.peak];
+    let stiffer = landings(&stiffer, BOX_RATE_HZ)?.map(|l| l.peak);
     let compliance = format!(
-        "four corner springs of {LANDING_HZ} Hz and damping ratio {LANDING_ZETA} per apparent mass on both sides"
+        "four corner springs of {LANDING_HZ} Hz and damping ratio {LANDING_ZETA} per apparent mass on all sides"
     );
     let reason = format!(
-        "rapier's step is first order: halving it takes the gap of the peak from {:+.2} % to {:+.2} %. Twice the natural frequency takes the peaks to {:.0} N and {:.0} N together",
+        "steps are first order: halving them takes the gap of the peak from {:+.2} % to {:+.2} % in rapier, from {:+.2} % to {:+.2} % in the core. Twice the natural frequency takes the peaks to {:.0} N (core), {:.0} N (rapier) and {:.0} N (MuJoCo) together",
         100.0 * gap[0],
         100.0 * gap[1],
+        100.0 * core_gap[0],
+        100.0 * core_gap[1],
+        stiffer[2],
         stiffer[0],
         stiffer[1]
     );
     let check = |what: &str, unit: &str, of: fn(&Landing) -> f64, threshold: f64| {
         let (x, y) = (of(&ours), of(&mujoco));
-        Check::relative(&format!("landing: {what}"), unit, x, y, y.abs(), threshold).at(compliance.clone())
+        Check::relative(&format!("landing: {what}"), unit, x, y, y.abs(), threshold)
+            .with_core(of(&core), y.abs())
+            .at(compliance.clone())
     };
     let checks = vec![
         check("impulse", "N·s", |l| l.impulse, 0.01),
@@ -190,13 +205,18 @@ pub fn landing(bridge: &Shared) -> Result<LandingRun, EngineError> {
             0.5,
             0.2,
         )
+        .with_core_errors({
+            let value = ratio(core_gap[1], core_gap[0]);
+            CoreSeen { value, to_rapier: (value - 0.5).abs(), to_mujoco: (value - 0.5).abs() }
+        })
         .at("MuJoCo's column: what first order predicts"),
     ];
-    let vertical = |f: &[Vec3]| f.iter().map(|f| f.y).collect();
-    Ok(LandingRun { checks, rate_hz: BOX_RATE_HZ, force: [vertical(&a), vertical(&theirs)] })
+    let vertical = |f: &Vec<Vec3>| f.iter().map(|f| f.y).collect();
+    Ok(LandingRun { checks, rate_hz: BOX_RATE_HZ, force: forces.each_ref().map(vertical) })
 }
 
-fn drop(bridge: &Shared, rate_hz: f64, natural_hz: f64) -> Result<(Vec<Vec3>, Vec<Vec3>), EngineError> {
+/// Vertical forces of a box dropped onto springs: in rapier, in MuJoCo, in the core.
+fn drop(bridge: &Shared, rate_hz: f64, natural_hz: f64) -> Result<[Vec<Vec3>; 3], EngineError> {
     let character = solid_box();
     let mut q = character.rest.clone();
     q[1] = BOX_HALF[1] + DROP;
@@ -218,7 +238,8 @@ fn drop(bridge: &Shared, rate_hz: f64, natural_hz: f64) -> Result<(Vec<Vec3>, Ve
     let steps = (0.35 * rate_hz) as usize;
     let mut ours = rapier::engine().build(&character, settings, &q, &v)?;
     let mut theirs = engine_in(bridge, integration).build(&character, settings, &q, &v)?;
-    Ok((forces(ours.as_mut(), steps)?, forces(theirs.as_mut(), steps)?))
+    let mut core = core::engine().build(&character, settings, &q, &v)?;
+    Ok([forces(ours.as_mut(), steps)?, forces(theirs.as_mut(), steps)?, forces(core.as_mut(), steps)?])
 }
 
 #[cfg(test)]

@@ -1,5 +1,8 @@
 //! One row of the table: a quantity, our number, MuJoCo's, how far apart, how far allowed.
 //!
+//! Where engines are compared there are three numbers, of the core, of rapier (`ours`) and of MuJoCo, and three pairs: the row passes where
+//! no pair is farther apart than allowed, and names those that are.
+//!
 //! A check is of something: where there is nothing to compare there is no check, and the table says so. Two zeros agree.
 
 use serde::Serialize;
@@ -24,7 +27,7 @@ pub fn ratio(part: f64, whole: f64) -> f64 {
 pub struct Check {
     /// What: a short name.
     pub quantity: String,
-    /// Our number; of many, where the error is largest.
+    /// Our number, rapier's where engines are compared; of many, where the error is largest.
     pub ours: f64,
     /// MuJoCo's number at the same place.
     pub mujoco: f64,
@@ -40,10 +43,23 @@ pub struct Check {
     pub unit: String,
     /// Where the error is largest: a body, a joint, a state, a time.
     pub at: String,
-    /// Whether the error is within the threshold.
+    /// The core's number at the same place and its errors, where engines are compared.
+    pub core: Option<CoreSeen>,
+    /// Whether the errors of all pairs are within the threshold.
     pub pass: bool,
     /// Why there is a gap, where one is known.
     pub reason: Option<String>,
+}
+
+/// The core in a check. Errors are of the measure that the check compares with its threshold.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct CoreSeen {
+    /// Its number.
+    pub value: f64,
+    /// How far it is from rapier.
+    pub to_rapier: f64,
+    /// How far it is from MuJoCo.
+    pub to_mujoco: f64,
 }
 
 impl Check {
@@ -82,9 +98,59 @@ impl Check {
             measure,
             unit: unit.into(),
             at: String::new(),
+            core: None,
             pass: error <= threshold,
             reason: None,
         }
+    }
+
+    /// Adds the core's number; its errors are differences of numbers over `scale`, of which 1 is the unit of an absolute error.
+    pub fn with_core(self, value: f64, scale: f64) -> Self {
+        let to = |other: f64| ratio((value - other).abs(), scale);
+        let (to_rapier, to_mujoco) = (to(self.ours), to(self.mujoco));
+        self.with_core_errors(CoreSeen { value, to_rapier, to_mujoco })
+    }
+
+    /// Adds the core's number with its errors.
+    pub fn with_core_errors(mut self, core: CoreSeen) -> Self {
+        self.core = Some(core);
+        self.pass = self.pairs().iter().all(|(_, error)| *error <= self.threshold);
+        self
+    }
+
+    /// The error that is compared with the threshold, of rapier (or our equations) and MuJoCo.
+    pub fn error(&self) -> f64 {
+        if self.measure == Measure::Relative { self.rel_error } else { self.abs_error }
+    }
+
+    /// All pairs that are compared, with their errors.
+    pub fn pairs(&self) -> Vec<(&'static str, f64)> {
+        match &self.core {
+            None => vec![("ours, MuJoCo", self.error())],
+            Some(c) => vec![
+                ("rapier, MuJoCo", self.error()),
+                ("core, MuJoCo", c.to_mujoco),
+                ("core, rapier", c.to_rapier),
+            ],
+        }
+    }
+
+    /// The pair that is farthest apart, and its error; a number that is none is farther than any.
+    pub fn farthest(&self) -> (&'static str, f64) {
+        let size = |e: f64| if e.is_nan() { f64::INFINITY } else { e };
+        let pairs = self.pairs();
+        let mut farthest = pairs[0];
+        for pair in &pairs[1..] {
+            if size(pair.1) > size(farthest.1) {
+                farthest = *pair;
+            }
+        }
+        farthest
+    }
+
+    /// The pairs that are farther apart than allowed.
+    pub fn differ(&self) -> Vec<&'static str> {
+        self.pairs().into_iter().filter(|(_, e)| e.is_nan() || *e > self.threshold).map(|p| p.0).collect()
     }
 
     /// Says where the error is largest.
@@ -176,6 +242,25 @@ mod tests {
         assert_eq!((check.pass, check.at.as_str()), (false, "state 0"));
         assert!(!Check::relative("x", "", 1.0, f64::NAN, 1.0, 0.1).pass);
         assert!(ratio(0.0, f64::NAN).is_nan());
+    }
+
+    #[test]
+    fn of_three_engines_the_pairs_that_differ_are_named() {
+        let check = |core: f64| Check::absolute("x", "N", 1.0, 1.1, 0.2).with_core(core, 1.0);
+        assert!(check(1.05).pass && check(1.05).differ().is_empty());
+        assert_eq!(check(1.05).farthest().0, "rapier, MuJoCo");
+        let off = check(1.25);
+        assert_eq!((off.pass, off.differ(), off.farthest().0), (false, vec!["core, rapier"], "core, rapier"));
+        let far = check(5.0);
+        assert_eq!((far.pass, far.differ()), (false, vec!["core, MuJoCo", "core, rapier"]));
+        let none = check(f64::NAN);
+        assert_eq!(
+            (none.pass, none.differ(), none.farthest().0),
+            (false, vec!["core, MuJoCo", "core, rapier"], "core, MuJoCo")
+        );
+        // a check that fails without the core is not mended by it
+        assert!(!Check::absolute("x", "N", 1.0, 2.0, 0.2).with_core(1.5, 1.0).pass);
+        assert_eq!(Check::absolute("x", "N", 1.0, 2.0, 0.2).pairs(), [("ours, MuJoCo", 1.0)]);
     }
 
     #[test]

@@ -1,4 +1,4 @@
-//! Motion without contacts: rapier against MuJoCo's fourth-order integrator, with the order of convergence.
+//! Motion without contacts: rapier and the core against MuJoCo's fourth-order integrator, with the order of convergence.
 //!
 //! In: MuJoCo, a take whose root is pinned. Out: checks and the curves of the joint that differs most. The
 //! ground is taken away, so that nothing but inertia, gravity and muscles is compared. The reference holds
@@ -7,17 +7,17 @@
 use dynamics::Trace;
 use motion::Clip;
 use motion::metrics::{joint_errors, joint_rms_deg};
-use sim::{PassError, rapier};
+use sim::{EngineEntry, PassError, core, rapier};
 use takes::Take;
 
 use crate::bridge::Shared;
-use crate::check::Check;
+use crate::check::{Check, CoreSeen, Measure};
 use crate::ground::in_mujoco;
 use crate::mujoco::Integration;
 
 /// Control steps per second of the reference.
 pub const REFERENCE_HZ: f64 = 7680.0;
-/// Control steps per second rapier is tried at, each with two substeps; the second is the default.
+/// Control steps per second both are tried at, each with two substeps; the second is the default.
 pub const RATES_HZ: [f64; 4] = [120.0, 240.0, 480.0, 960.0];
 const SUBSTEPS: usize = 2;
 /// Longest span compared, s.
@@ -31,12 +31,14 @@ pub struct ForwardRun {
     pub checks: Vec<Check>,
     /// Why there is none, if so.
     pub nothing: Vec<String>,
-    /// Joint RMS at each of [`RATES_HZ`], degrees.
+    /// Joint RMS of rapier at each of [`RATES_HZ`], degrees.
     pub errors_deg: [f64; 4],
+    /// The same of the core.
+    pub core_deg: [f64; 4],
     /// Link whose joint differs most at the default step.
     pub link: usize,
-    /// Rapier's motion at the default step and the reference, at the common rate.
-    pub clips: [Clip; 2],
+    /// Rapier's motion at the default step, the reference, and the core's motion, at the common rate.
+    pub clips: [Clip; 3],
 }
 
 /// Compares up to [`LONGEST`] seconds of a take.
@@ -62,25 +64,30 @@ pub fn compare(bridge: &Shared, take: &Take, progress: &mut dyn FnMut(f64)) -> R
     };
     let reference = in_mujoco(bridge, pass(REFERENCE_HZ), &Integration::reference(1), end_s, progress)?;
     let reference = common(&reference.trace);
-    let mut errors_deg = [0.0; 4];
-    let mut ours = None;
-    for (error, rate_hz) in errors_deg.iter_mut().zip(RATES_HZ) {
-        let outcome = pass(rate_hz).run(&rapier::engine(), &mut |_| {})?;
-        if let Some(why) = outcome.diverged {
-            return Err(why.into());
+    let tried = |engine: &EngineEntry| -> Result<([f64; 4], Clip), PassError> {
+        let mut errors_deg = [0.0; 4];
+        let mut at_default = None;
+        for (error, rate_hz) in errors_deg.iter_mut().zip(RATES_HZ) {
+            let outcome = pass(rate_hz).run(engine, &mut |_| {})?;
+            if let Some(why) = outcome.diverged {
+                return Err(why.into());
+            }
+            let clip = common(&outcome.trace);
+            *error = joint_rms_deg(&joint_errors(&clip, &reference));
+            if rate_hz == RATES_HZ[1] {
+                at_default = Some(clip);
+            }
         }
-        let clip = common(&outcome.trace);
-        *error = joint_rms_deg(&joint_errors(&clip, &reference));
-        if rate_hz == RATES_HZ[1] {
-            ours = Some(clip);
-        }
-    }
-    let ours = ours.expect("the default is among the rates");
+        Ok((errors_deg, at_default.expect("the default is among the rates")))
+    };
+    let (errors_deg, ours) = tried(&rapier::engine())?;
+    let (core_deg, core) = tried(&core::engine())?;
     let worst = joint_errors(&ours, &reference).into_iter().max_by(|a, b| a.rms_deg.total_cmp(&b.rms_deg));
     let Some(worst) = worst.filter(|_| reference.frames() > 1) else {
         let why = if reference.frames() > 1 { "no joint turns" } else { "the motion has no duration" };
         let nothing = vec![format!("motion without contact: {why}")];
-        return Ok(ForwardRun { checks: Vec::new(), nothing, errors_deg, link: 0, clips: [ours, reference] });
+        let clips = [ours, reference, core];
+        return Ok(ForwardRun { checks: Vec::new(), nothing, errors_deg, core_deg, link: 0, clips });
     };
     let link = worst.link;
     let name = &ours.skeleton.links()[link].name;
@@ -92,12 +99,15 @@ pub fn compare(bridge: &Shared, take: &Take, progress: &mut dyn FnMut(f64)) -> R
             errors_deg[1],
             errors_deg[1],
             0.5,
-            crate::check::Measure::Absolute,
+            Measure::Absolute,
         )
+        .with_core_errors(CoreSeen {
+            value: core_deg[1],
+            to_rapier: joint_rms_deg(&joint_errors(&core, &ours)),
+            to_mujoco: core_deg[1],
+        })
         .at(format!("240 Hz, {SUBSTEPS} substeps, {end_s:.1} s; most at `{name}`"))
-        .because(
-            "rapier's integrator is first order: the error halves with the step, as the orders below say",
-        ),
+        .because("both integrators are first order: the error halves with the step, as the orders below say"),
     ];
     for k in 0..3 {
         // below the rounding of the comparison the order cannot be measured
@@ -105,9 +115,20 @@ pub fn compare(bridge: &Shared, take: &Take, progress: &mut dyn FnMut(f64)) -> R
             let order = (errors_deg[k] / errors_deg[k + 1]).log2();
             let name =
                 format!("motion without contact: order from {} to {} Hz", RATES_HZ[k], RATES_HZ[k + 1]);
-            let errors = format!("{:.4}° to {:.4}°", errors_deg[k], errors_deg[k + 1]);
-            checks.push(Check::absolute(&name, "", order, 1.0, 0.25).at(errors));
+            let value = (core_deg[k] / core_deg[k + 1]).log2();
+            let errors = format!(
+                "rapier {:.4}° to {:.4}°, core {:.4}° to {:.4}°",
+                errors_deg[k],
+                errors_deg[k + 1],
+                core_deg[k],
+                core_deg[k + 1]
+            );
+            // each engine is compared with what is predicted, not with the other
+            let off = (value - 1.0).abs();
+            let core = CoreSeen { value, to_rapier: off, to_mujoco: off };
+            checks.push(Check::absolute(&name, "", order, 1.0, 0.25).with_core_errors(core).at(errors));
         }
     }
-    Ok(ForwardRun { checks, nothing: Vec::new(), errors_deg, link, clips: [ours, reference] })
+    let clips = [ours, reference, core];
+    Ok(ForwardRun { checks, nothing: Vec::new(), errors_deg, core_deg, link, clips })
 }

@@ -14,11 +14,11 @@ use controllers::{BalanceSettings, GainBlend, Goal, Setup};
 use dynamics::fall::Fall;
 use dynamics::{RootMode, Trace};
 use motion::Clip;
-use sim::{Outcome, Pass, PassError, rapier};
+use sim::{Outcome, Pass, PassError, core, rapier};
 use takes::Take;
 
 use crate::bridge::Shared;
-use crate::check::{Check, Measure, ratio};
+use crate::check::{Check, CoreSeen, Measure, ratio};
 use crate::engine::{engine_in, standing};
 use crate::mujoco::Integration;
 
@@ -61,6 +61,7 @@ pub fn standing_weight(bridge: &Shared, take: &Take) -> Result<Check, PassError>
         }
     };
     let ours = still(take).run(&rapier::engine(), &mut |_| {})?.trace;
+    let core = still(take).run(&core::engine(), &mut |_| {})?.trace;
     let theirs = in_mujoco(bridge, still(take), &standing(), f64::INFINITY, &mut |_| {})?.trace;
     let weight = take.body.character.mass() * take.conditions.physics.gravity.norm();
     let mean = |t: &Trace| {
@@ -68,9 +69,11 @@ pub fn standing_weight(bridge: &Shared, take: &Take) -> Result<Check, PassError>
         let n = ((STILL * t.rate_hz) as usize).min(sums.len());
         sums[sums.len() - n..].iter().map(|f| f.y).sum::<f64>() / n as f64
     };
-    let (a, b) = (mean(&ours), mean(&theirs));
+    let (a, b, c) = (mean(&ours), mean(&theirs), mean(&core));
     let error = (a - weight).abs().max((b - weight).abs());
-    let check = Check::of("standing weight", "N", (a, b), error, error / weight, 1e-3, Measure::Relative);
+    let off = (c - weight).abs() / weight;
+    let check = Check::of("standing weight", "N", (a, b), error, error / weight, 1e-3, Measure::Relative)
+        .with_core_errors(CoreSeen { value: c, to_rapier: off, to_mujoco: off });
     Ok(check.at(format!("mean of the last {STILL} s of {STAND}; m g = {weight:.2} N")))
 }
 
@@ -100,7 +103,7 @@ pub fn in_mujoco(
     }
 }
 
-/// A scene performed on its feet in both engines.
+/// A scene performed on its feet in three engines.
 pub struct SceneRun {
     /// The checks.
     pub checks: Vec<Check>,
@@ -110,6 +113,8 @@ pub struct SceneRun {
     pub ours: Trace,
     /// The trace of MuJoCo's run.
     pub theirs: Trace,
+    /// The trace of the core's run.
+    pub core: Trace,
 }
 
 /// Forces of the first half second are not compared: each engine settles to its own rest.
@@ -123,20 +128,22 @@ const AROUND: f64 = 0.05;
 const LEAST_SPAN: f64 = 0.5;
 
 /// Whether the body stands (1) or falls (0) in each engine.
-fn verdict(ours: &Outcome, theirs: &Outcome) -> Check {
+fn verdict(ours: &Outcome, theirs: &Outcome, core: &Outcome) -> Check {
     let stands = |o: &Outcome| f64::from(u8::from(o.fell_s.is_none()));
     let end = |o: &Outcome| o.fall.as_ref().map_or_else(|| o.verdict.ending.to_string(), Fall::to_string);
-    let at = match (ours.fell_s, theirs.fell_s) {
-        (None, None) => "stands in both".to_owned(),
-        _ => format!("rapier: {}; MuJoCo: {}", end(ours), end(theirs)),
+    let at = match (ours.fell_s, theirs.fell_s, core.fell_s) {
+        (None, None, None) => "stands in all three".to_owned(),
+        _ => format!("core: {}; rapier: {}; MuJoCo: {}", end(core), end(ours), end(theirs)),
     };
-    Check::absolute("scene: verdict, 1 stands or 0 falls", "", stands(ours), stands(theirs), 0.0).at(at)
+    Check::absolute("scene: verdict, 1 stands or 0 falls", "", stands(ours), stands(theirs), 0.0)
+        .with_core(stands(core), 1.0)
+        .at(at)
 }
 
 /// An RMS difference below this part of the body weight is noise of the contact solvers and has no order.
 const VISIBLE: f64 = 3e-4;
 
-/// Performs the take in both engines, controllers closed over each engine's own state, and compares whether the
+/// Performs the take in the core, in rapier and in MuJoCo, controllers closed over each engine's own state, and compares whether the
 /// body stands and the vertical ground forces: until a margin of balance is lost, if it falls.
 ///
 /// An impact (an edge of a foot that lands) happens a few milliseconds apart in the two; there the impulse over
@@ -145,68 +152,88 @@ const VISIBLE: f64 = 3e-4;
 /// # Errors
 /// Of either engine.
 pub fn scene(bridge: &Shared, take: &Take, progress: &mut dyn FnMut(f64)) -> Result<SceneRun, PassError> {
-    let (ours, theirs) = (
+    let (core, ours, theirs) = (
+        take.pass().run(&core::engine(), &mut |_| {})?,
         take.pass().run(&rapier::engine(), &mut |_| {})?,
         in_mujoco(bridge, take.pass(), &standing(), f64::INFINITY, &mut |x| progress(0.5 * x))?,
     );
-    if let Some(error) = ours.diverged {
+    if let Some(error) = ours.diverged.clone().or(core.diverged.clone()) {
         return Err(error.into());
     }
-    let verdict = verdict(&ours, &theirs);
-    let lost_s =
-        [&ours.fall, &theirs.fall].into_iter().flatten().map(Fall::first_s).fold(f64::INFINITY, f64::min);
-    let (mut ours, mut theirs) = (ours.trace, theirs.trace);
+    let verdict = verdict(&ours, &theirs, &core);
+    let falls = [&ours.fall, &theirs.fall, &core.fall];
+    let lost_s = falls.into_iter().flatten().map(Fall::first_s).fold(f64::INFINITY, f64::min);
+    let (mut ours, mut theirs, mut core) = (ours.trace, theirs.trace, core.trace);
     if lost_s < SETTLE + LEAST_SPAN {
         let nothing = vec!["scene: forces: it falls before they can be compared".into()];
-        return Ok(SceneRun { checks: vec![verdict], nothing, ours, theirs });
+        return Ok(SceneRun { checks: vec![verdict], nothing, ours, theirs, core });
     }
     let before = |t: &Trace| ((lost_s * t.rate_hz) as usize).clamp(1, t.rows());
     ours = ours.cut(0..before(&ours));
     theirs = theirs.cut(0..before(&theirs));
+    core = core.cut(0..before(&core));
     let mut finer = take.clone();
     finer.conditions.physics.rate_hz = Some(2.0 * take.control_rate_hz());
     let finer_ours = finer.pass().run(&rapier::engine(), &mut |_| {})?.trace;
     let finer_theirs =
         in_mujoco(bridge, finer.pass(), &standing(), lost_s, &mut |x| progress(0.5 + 0.5 * x))?.trace;
+    let finer_core = finer.pass().run(&core::engine(), &mut |_| {})?.trace;
+    let finer_core = finer_core.cut(0..before(&finer_core));
     let finer_ours = finer_ours.cut(0..before(&finer_ours));
     let finer_theirs = finer_theirs.cut(0..before(&finer_theirs));
     let weight = take.body.character.mass() * take.conditions.physics.gravity.norm();
-    let (a, b) = (Vertical::of(&ours, None), Vertical::of(&theirs, None));
+    let total = |t: &Trace| Vertical::of(t, None);
+    let (a, b, c) = (total(&ours), total(&theirs), total(&core));
     let gap = a.compare(&b, weight);
+    // every pair spares the steps around its own impacts
+    let (to_mujoco, to_rapier) = (c.compare(&b, weight), c.compare(&a, weight));
     if gap.count == 0 {
         let why = format!("every step is within {SETTLE} s of the start or {AROUND} s of an impact");
         let nothing = vec![format!("scene: forces: {why}")];
-        return Ok(SceneRun { checks: vec![verdict], nothing, ours, theirs });
+        return Ok(SceneRun { checks: vec![verdict], nothing, ours, theirs, core });
     }
-    let half = Vertical::of(&finer_ours, None).compare(&Vertical::of(&finer_theirs, None), weight);
+    let half = total(&finer_ours).compare(&total(&finer_theirs), weight);
+    let half_core = total(&finer_core).compare(&total(&finer_theirs), weight);
     let sink = |t: &Trace| {
         let deepest = t.contacts.iter().filter(|c| c.row + 1 == t.rows()).map(|c| c.depth);
         1e3 * deepest.fold(0.0, f64::max)
     };
     let compliance = format!(
-        "contacts as stiff as each solver allows: at the end the soles are {:.3} mm and {:.3} mm deep",
+        "contacts as stiff as each solver allows: at the end the soles are {:.3} mm (core), {:.3} mm (rapier) and {:.3} mm (MuJoCo) deep",
+        sink(&core),
         sink(&ours),
         sink(&theirs)
     );
     let reason = format!(
-        "both integrators and the held drives are first order: at half the step the RMS difference goes from {:.3} % to {:.3} % of body weight",
+        "the integrators and the held drives are first order: at half the step the RMS difference to MuJoCo goes from {:.3} % to {:.3} % of body weight in rapier, from {:.3} % to {:.3} % in the core",
         100.0 * gap.rms,
-        100.0 * half.rms
+        100.0 * half.rms,
+        100.0 * to_mujoco.rms,
+        100.0 * half_core.rms
     );
-    let percent = |name: &str, share: f64, at: usize, allowed: f64| {
+    let percent = |name: &str, of: fn(&Gap) -> f64, allowed: f64| {
+        let (share, at) = (of(&gap), gap.at);
         let (x, y) = (a.force[at], b.force[at]);
+        let value = c.force.get(at).copied().unwrap_or(f64::NAN);
         Check::of(name, "N", (x, y), share * weight, share, allowed, Measure::Relative)
+            .with_core_errors(CoreSeen { value, to_rapier: of(&to_rapier), to_mujoco: of(&to_mujoco) })
             .at(format!("{:.3} s", at as f64 / a.rate_hz))
     };
     let mut checks = vec![
         verdict,
-        percent("scene: vertical force, RMS difference", gap.rms, gap.at, 0.01)
+        percent("scene: vertical force, RMS difference", |g| g.rms, 0.01)
             .because(format!("{reason}; {compliance}")),
-        percent("scene: vertical force, largest difference", gap.peak, gap.at, 0.05),
+        percent("scene: vertical force, largest difference", |g| g.peak, 0.05),
     ];
     for leg in take.body.character.legs() {
-        let (x, y) = (Vertical::of(&ours, Some(leg.end)), Vertical::of(&theirs, Some(leg.end)));
+        let leg_of = |t: &Trace| Vertical::of(t, Some(leg.end));
+        let (x, y, z) = (leg_of(&ours), leg_of(&theirs), leg_of(&core));
         let g = x.compare_spared(&y, weight, &gap.spared);
+        let core = CoreSeen {
+            value: z.force.get(g.at).copied().unwrap_or(f64::NAN),
+            to_rapier: z.compare_spared(&x, weight, &to_rapier.spared).rms,
+            to_mujoco: z.compare_spared(&y, weight, &to_mujoco.spared).rms,
+        };
         let name = format!("scene: vertical force of {}, RMS difference", leg.name);
         let check = Check::of(
             &name,
@@ -217,16 +244,22 @@ pub fn scene(bridge: &Shared, take: &Take, progress: &mut dyn FnMut(f64)) -> Res
             0.02,
             Measure::Relative,
         );
-        checks.push(check.at(format!("{:.3} s", g.at as f64 / x.rate_hz)));
+        checks.push(check.with_core_errors(core).at(format!("{:.3} s", g.at as f64 / x.rate_hz)));
     }
     if gap.rms > VISIBLE {
-        let order = Check::absolute(
+        let mut order = Check::absolute(
             "scene: difference at half the step over the difference",
             "",
             ratio(half.rms, gap.rms),
             0.5,
             0.25,
         );
+        if to_mujoco.rms > VISIBLE {
+            // each engine is compared with what is predicted, not with the other
+            let value = ratio(half_core.rms, to_mujoco.rms);
+            let off = (value - 0.5).abs();
+            order = order.with_core_errors(CoreSeen { value, to_rapier: off, to_mujoco: off });
+        }
         checks.push(order.at("MuJoCo's column: what first order predicts"));
     }
     let off = |at: usize| ratio((a.impulse(at) - b.impulse(at)).abs(), b.impulse(at).abs());
@@ -234,19 +267,20 @@ pub fn scene(bridge: &Shared, take: &Take, progress: &mut dyn FnMut(f64)) -> Res
         let times: Vec<String> =
             gap.impacts.iter().map(|(k, _)| format!("{:.2}", *k as f64 / a.rate_hz)).collect();
         let largest = gap.impacts.iter().map(|i| i.1).fold(0.0, f64::max);
-        let (x, y) = (a.impulse(at), b.impulse(at));
+        let (x, y, z) = (a.impulse(at), b.impulse(at), c.impulse(at));
         let reason = format!(
-            "edges of the feet land a few milliseconds apart in the two, with jumps of up to {:.0} % of body weight in one step, at {} s",
+            "edges of the feet land a few milliseconds apart in the engines, with jumps of up to {:.0} % of body weight in one step, at {} s",
             100.0 * largest,
             times.join(", ")
         );
         checks.push(
             Check::relative("scene: impulse around an impact, ±50 ms", "N·s", x, y, y.abs(), 0.02)
+                .with_core(z, y.abs())
                 .at(format!("{:.3} s, the worst of {}", at as f64 / a.rate_hz, times.len()))
                 .because(reason),
         );
     }
-    Ok(SceneRun { checks, nothing: Vec::new(), ours, theirs })
+    Ok(SceneRun { checks, nothing: Vec::new(), ours, theirs, core })
 }
 
 struct Vertical {

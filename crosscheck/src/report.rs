@@ -2,7 +2,7 @@
 //!
 //! In: a [`CrossCheck`]. Out: text and figures; nothing is written to disk here. The JSON is
 //! `{"name", "mujoco", "seed", "states", "failed", "checks": [{"quantity", "ours", "mujoco", "abs_error",
-//! "rel_error", "threshold", "measure", "unit", "at", "pass", "reason"}], "nothing", "left_out"}`.
+//! "rel_error", "threshold", "measure", "unit", "at", "core", "pass", "reason"}], "nothing", "left_out"}`.
 
 use std::fmt::Write;
 
@@ -34,55 +34,42 @@ fn allowed(x: f64) -> String {
     if x < 1e-3 { format!("{x:e}") } else { format!("{x}") }
 }
 
-fn error(check: &Check) -> (f64, &'static str) {
+fn kind(check: &Check) -> &'static str {
     match check.measure {
-        Measure::Relative => (check.rel_error, "rel"),
-        Measure::Absolute => (check.abs_error, "abs"),
+        Measure::Relative => "rel",
+        Measure::Absolute => "abs",
     }
+}
+
+/// The checks of equations (ours and MuJoCo's), and those of engines (core, rapier, MuJoCo), each with the names of its columns of numbers.
+fn tables(cross: &CrossCheck) -> [(&'static [&'static str], Vec<&Check>); 2] {
+    let (engines, equations) = cross.checks.iter().partition(|c: &&Check| c.core.is_some());
+    [(&["ours", "MuJoCo"], equations), (&["core", "rapier", "MuJoCo"], engines)]
+}
+
+/// Its numbers, in the order of the columns of its table.
+fn numbers(check: &Check) -> Vec<f64> {
+    check.core.iter().map(|c| c.value).chain([check.ours, check.mujoco]).collect()
+}
+
+/// The error of the pair that is farthest apart, and the pairs that are too far.
+fn apart(check: &Check) -> String {
+    let pairs = match (check.differ().as_slice(), check.farthest().0) {
+        (differ @ [_, ..], _) if check.core.is_some() => format!(": {}", differ.join("; ")),
+        _ => String::new(),
+    };
+    format!("{:.1e} {}{pairs}", check.farthest().1, kind(check))
 }
 
 /// The table as text: one line per check, reasons below it.
 pub fn text(cross: &CrossCheck) -> String {
-    let mut rows = vec![[
-        String::new(),
-        "quantity".into(),
-        "ours".into(),
-        "MuJoCo".into(),
-        "error".into(),
-        "allowed".into(),
-        "where".into(),
-    ]];
-    for c in &cross.checks {
-        let (e, kind) = error(c);
-        let unit = if c.unit.is_empty() { String::new() } else { format!(" {}", c.unit) };
-        rows.push([
-            if c.pass { "ok".into() } else { "FAIL".into() },
-            c.quantity.clone(),
-            short(c.ours) + &unit,
-            short(c.mujoco) + &unit,
-            format!("{e:.1e} {kind}"),
-            allowed(c.threshold),
-            c.at.clone(),
-        ]);
-    }
-    let width = |k: usize| rows.iter().map(|r| r[k].chars().count()).max().unwrap_or(0);
-    let widths: Vec<usize> = (0..6).map(width).collect();
     let mut out = String::new();
-    if cross.checks.is_empty() {
-        rows.clear();
-    }
-    let mut reasons = cross.checks.iter().map(|c| c.reason.as_deref());
-    for (i, row) in rows.iter().enumerate() {
-        let mut line = String::new();
-        for (k, cell) in row.iter().enumerate() {
-            let pad = widths.get(k).map_or(0, |w| w - cell.chars().count());
-            let _ = write!(line, "{cell}{:pad$}  ", "");
-        }
-        let _ = writeln!(out, "{}", line.trim_end());
-        if i > 0
-            && let Some(reason) = reasons.next().flatten()
-        {
-            let _ = writeln!(out, "      because {reason}");
+    for (columns, checks) in tables(cross) {
+        if !checks.is_empty() {
+            if !out.is_empty() {
+                out.push('\n');
+            }
+            out += &table(columns, &checks);
         }
     }
     for item in &cross.nothing {
@@ -90,6 +77,34 @@ pub fn text(cross: &CrossCheck) -> String {
     }
     for item in &cross.left_out {
         let _ = writeln!(out, "left out: {item}");
+    }
+    out
+}
+
+fn table(columns: &[&str], checks: &[&Check]) -> String {
+    let head =
+        ["", "quantity"].into_iter().chain(columns.iter().copied()).chain(["error", "allowed", "where"]);
+    let mut rows: Vec<Vec<String>> = vec![head.map(str::to_owned).collect()];
+    for c in checks {
+        let unit = if c.unit.is_empty() { String::new() } else { format!(" {}", c.unit) };
+        let mut row = vec![if c.pass { "ok".into() } else { "FAIL".into() }, c.quantity.clone()];
+        row.extend(numbers(c).into_iter().map(|x| short(x) + &unit));
+        row.extend([apart(c), allowed(c.threshold), c.at.clone()]);
+        rows.push(row);
+    }
+    let width = |k: usize| rows.iter().map(|r| r[k].chars().count()).max().unwrap_or(0);
+    let widths: Vec<usize> = (0..rows[0].len() - 1).map(width).collect();
+    let mut out = String::new();
+    for (i, row) in rows.iter().enumerate() {
+        let mut line = String::new();
+        for (k, cell) in row.iter().enumerate() {
+            let pad = widths.get(k).map_or(0, |w| w - cell.chars().count());
+            let _ = write!(line, "{cell}{:pad$}  ", "");
+        }
+        let _ = writeln!(out, "{}", line.trim_end());
+        if let Some(reason) = i.checked_sub(1).and_then(|i| checks[i].reason.as_deref()) {
+            let _ = writeln!(out, "      because {reason}");
+        }
     }
     out
 }
@@ -135,24 +150,35 @@ pub fn html(cross: &CrossCheck) -> Result<String, plots::FigureError> {
         (failed, all) => format!("{failed} of {all} checks fail"),
     };
     let mut rows = String::new();
-    for c in &cross.checks {
-        let (e, kind) = error(c);
-        let class = if c.pass { "ok" } else { "fail" };
-        let reason = c.reason.as_deref().map(|r| format!("<div class=reason>{}</div>", escape(r)));
+    for (columns, checks) in tables(cross) {
+        if checks.is_empty() {
+            continue;
+        }
+        let head: String = columns.iter().map(|c| format!("<th>{c}</th>")).collect();
         let _ = writeln!(
             rows,
-            "<tr class={class}><td>{class}</td><td>{}{}</td><td>{} {unit}</td><td>{} {unit}</td><td>{:.2e}</td><td>{:.2e}</td><td>{} {kind}</td><td>{}</td></tr>",
-            escape(&c.quantity),
-            reason.unwrap_or_default(),
-            short(c.ours),
-            short(c.mujoco),
-            c.abs_error,
-            c.rel_error,
-            allowed(c.threshold),
-            escape(&c.at),
-            unit = escape(&c.unit),
+            "<table><tr><th></th><th>quantity</th>{head}<th>error</th><th>allowed</th><th>where</th></tr>"
         );
-        debug_assert!(e.is_finite() || !c.pass);
+        for c in checks {
+            let class = if c.pass { "ok" } else { "fail" };
+            let reason = c.reason.as_deref().map(|r| format!("<div class=reason>{}</div>", escape(r)));
+            let cells: String = numbers(c)
+                .into_iter()
+                .map(|x| format!("<td>{} {}</td>", short(x), escape(&c.unit)))
+                .collect();
+            let _ = writeln!(
+                rows,
+                "<tr class={class}><td>{class}</td><td>{}{}</td>{cells}<td>{}</td><td>{} {}</td><td>{}</td></tr>",
+                escape(&c.quantity),
+                reason.unwrap_or_default(),
+                escape(&apart(c)),
+                allowed(c.threshold),
+                kind(c),
+                escape(&c.at),
+            );
+            debug_assert!(c.farthest().1.is_finite() || !c.pass);
+        }
+        rows += "</table>\n";
     }
     let mut pictures = String::new();
     for (stem, figure) in figures(cross) {
@@ -170,7 +196,7 @@ pub fn html(cross: &CrossCheck) -> Result<String, plots::FigureError> {
 <title>{name}: cross-check with MuJoCo</title>
 <style>
 body {{ font: 15px/1.45 system-ui, sans-serif; color: #262a30; max-width: 1500px; margin: 2em auto; padding: 0 1em }}
-table {{ border-collapse: collapse; width: 100% }}
+table {{ border-collapse: collapse; width: 100%; margin: 1.5em 0 }}
 td, th {{ text-align: left; padding: .3em .7em; border-bottom: 1px solid #e1e4e8; vertical-align: top }}
 td:nth-child(n+3):nth-child(-n+7) {{ font-variant-numeric: tabular-nums; white-space: nowrap }}
 .ok td:first-child {{ color: #009e73 }} .fail td {{ background: #fdeee6 }} .fail td:first-child {{ color: #d55e00; font-weight: bold }}
@@ -179,9 +205,7 @@ figure {{ margin: 2em 0 }} svg {{ width: 100%; height: auto }}
 </style>
 <h1>{name}: cross-check with MuJoCo {}</h1>
 <p><b>{verdict}</b>. {} random states, seed {}.</p>
-<table><tr><th></th><th>quantity</th><th>ours</th><th>MuJoCo</th><th>absolute error</th><th>relative error</th><th>allowed</th><th>where</th></tr>
-{rows}</table>
-{nothing}
+{rows}{nothing}
 {left}
 {pictures}</html>
 ",
@@ -204,20 +228,26 @@ fn clock(rate_hz: f64) -> Clock {
     Clock { rate_hz, start_s: 0.0 }
 }
 
-fn keys() -> [Key; 2] {
-    [Key::line("rapier", style::BLUE), Key::dashed("MuJoCo", style::VERMILION)]
+fn keys() -> [Key; 3] {
+    [
+        Key::line("core", style::GREEN),
+        Key::line("rapier", style::BLUE),
+        Key::dashed("MuJoCo", style::VERMILION),
+    ]
 }
 
-fn both(rate_hz: f64, ours: Vec<f64>, theirs: Vec<f64>) -> Vec<Series> {
+/// Rapier's curve, MuJoCo's and the core's; the widest lies below.
+fn all_engines(rate_hz: f64, [ours, theirs, core]: [Vec<f64>; 3]) -> Vec<Series> {
     vec![
+        Series::over_time(clock(rate_hz), core, style::GREEN).wide(4.5),
         Series::over_time(clock(rate_hz), ours, style::BLUE).wide(2.4),
         Series::over_time(clock(rate_hz), theirs, style::VERMILION).dashed(),
     ]
 }
 
 fn motion_figure(name: &str, run: &ForwardRun) -> Figure {
-    let [ours, theirs] = &run.clips;
-    let frames = ours.frames().min(theirs.frames());
+    let [ours, theirs, core] = &run.clips;
+    let frames = ours.frames().min(theirs.frames()).min(core.frames());
     let angle = |clip: &Clip, f: usize| {
         let link = run.link;
         let (q, at) = (clip.pose(f), clip.skeleton.q_at(link));
@@ -226,7 +256,7 @@ fn motion_figure(name: &str, run: &ForwardRun) -> Figure {
             _ => q[at].to_degrees(),
         }
     };
-    let apart = |f: usize| {
+    let apart = |ours: &Clip, f: usize| {
         let at = ours.skeleton.q_at(run.link);
         let (a, b) = (ours.pose(f), theirs.pose(f));
         match ours.skeleton.links()[run.link].joint {
@@ -237,34 +267,38 @@ fn motion_figure(name: &str, run: &ForwardRun) -> Figure {
     let joint = &ours.skeleton.links()[run.link].name;
     let rate = ours.rate_hz;
     let all = |clip: &Clip| (0..frames).map(|f| angle(clip, f)).collect();
-    let orders: Vec<String> =
-        RATES_HZ.iter().zip(run.errors_deg).map(|(r, e)| format!("{e:.4}° at {r:.0} Hz")).collect();
+    let orders: Vec<String> = (RATES_HZ.iter().zip(run.errors_deg).zip(run.core_deg))
+        .map(|((r, e), c)| format!("{e:.4}° and {c:.4}° at {r:.0} Hz"))
+        .collect();
     let panels = [
         Panel {
             title: format!("{joint}: angle from its zero pose, the joint that differs most"),
             y_label: "angle (°)".into(),
-            series: both(rate, all(ours), all(theirs)),
+            series: all_engines(rate, [all(ours), all(theirs), all(core)]),
             ..Panel::default()
         },
         Panel {
-            title: "the angle between the two".into(),
+            title: "the angle to MuJoCo's".into(),
             x_label: "time (s)".into(),
             y_label: "angle (°)".into(),
-            series: vec![Series::over_time(clock(rate), (0..frames).map(apart), style::INK)],
+            series: vec![
+                Series::over_time(clock(rate), (0..frames).map(|f| apart(core, f)), style::GREEN).wide(4.5),
+                Series::over_time(clock(rate), (0..frames).map(|f| apart(ours, f)), style::BLUE).wide(2.4),
+            ],
             ..Panel::default()
         },
     ];
-    let note = format!("{name}, root pinned, no ground · joint RMS {}", orders.join(", "));
+    let note =
+        format!("{name}, root pinned, no ground · joint RMS of rapier and the core {}", orders.join(", "));
     page("Motion without contact", &note, &keys(), &panels, 1, WIDTH, 230.0)
 }
 
 fn landing_figure(run: &LandingRun) -> Figure {
-    let [ours, theirs] = run.force.clone();
     let panels = [Panel {
         title: "vertical force on a box of 12 kg dropped from 5 cm onto springs".into(),
         x_label: "time (s)".into(),
         y_label: "force (N)".into(),
-        series: both(run.rate_hz, ours, theirs),
+        series: all_engines(run.rate_hz, run.force.clone()),
         ..Panel::default()
     }];
     page("Landing at matched compliance", "", &keys(), &panels, 1, WIDTH, 280.0)
@@ -290,7 +324,7 @@ fn scene_figure(name: &str, run: &SceneRun) -> Figure {
     let mut panels = vec![Panel {
         title: "vertical ground force, in total".into(),
         y_label: "force (N)".into(),
-        series: both(rate, total(&run.ours), total(&run.theirs)),
+        series: all_engines(rate, [total(&run.ours), total(&run.theirs), total(&run.core)]),
         ..Panel::default()
     }];
     let character = run.ours.character.clone();
@@ -298,7 +332,7 @@ fn scene_figure(name: &str, run: &SceneRun) -> Figure {
         panels.push(Panel {
             title: format!("of {}", leg.name),
             y_label: "force (N)".into(),
-            series: both(rate, of_leg(&run.ours, leg.end), of_leg(&run.theirs, leg.end)),
+            series: all_engines(rate, [&run.ours, &run.theirs, &run.core].map(|t| of_leg(t, leg.end))),
             ..Panel::default()
         });
     }
@@ -306,5 +340,5 @@ fn scene_figure(name: &str, run: &SceneRun) -> Figure {
         last.x_label = "time (s)".into();
     }
     let note = format!("{name}: controllers closed over each engine's own state, each from its own rest");
-    page("Ground forces in two engines", &note, &keys(), &panels, 1, WIDTH, 200.0)
+    page("Ground forces in three engines", &note, &keys(), &panels, 1, WIDTH, 200.0)
 }

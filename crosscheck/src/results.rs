@@ -1,4 +1,4 @@
-//! A cross-check as a folder: table, page, traces of both engines, figures.
+//! A cross-check as a folder: table, page, traces of all engines, figures.
 
 use std::path::{Path, PathBuf};
 
@@ -37,9 +37,12 @@ pub fn write(
     }
     if let Some(scene) = &cross.scene {
         folder.top().make("mujoco")?;
-        for (what, name, trace) in
-            [("trace_npz", "trace.npz", &scene.ours), ("mujoco_npz", "mujoco/trace.npz", &scene.theirs)]
-        {
+        folder.top().make("core")?;
+        for (what, name, trace) in [
+            ("trace_npz", "trace.npz", &scene.ours),
+            ("mujoco_npz", "mujoco/trace.npz", &scene.theirs),
+            ("core_npz", "core/trace.npz", &scene.core),
+        ] {
             let path = folder.add(what, name)?;
             trace_npz::save(trace, &path).map_err(|e| WriteError::file(name, e))?;
         }

@@ -34,7 +34,7 @@ use crate::error::CrossCheckError;
 use crate::forward::{self, ForwardRun};
 use crate::ground::{self, SceneRun};
 use crate::inject::{Injection, InjectionError};
-use crate::push::{self, PushPair};
+use crate::push::{self, PushMaps};
 use crate::rigid::{self, Compared, LARGEST, OFF, Pair};
 
 /// How to cross-check.
@@ -96,7 +96,7 @@ pub struct CrossCheck {
     /// The scene on its feet.
     pub scene: Option<SceneRun>,
     /// Push-recovery maps.
-    pub push: Option<PushPair>,
+    pub push: Option<PushMaps>,
 }
 
 impl CrossCheck {

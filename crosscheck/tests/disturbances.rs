@@ -1,4 +1,4 @@
-//! Disturbances in both engines: what is pushed over in one falls in the other, what is carried weighs the same.
+//! Disturbances in three engines: what is pushed over in one falls in the others, what is carried weighs the same.
 //!
 //! MuJoCo's Python environment is made on the first run.
 
@@ -30,9 +30,9 @@ fn failed(checks: &[Check]) -> Vec<String> {
     checks.iter().filter(|c| !c.pass).map(words).collect()
 }
 
-/// A push that is too hard ends in a fall in both engines, told by the same story.
+/// A push that is too hard ends in a fall in all engines, told by the same story.
 #[test]
-fn slow_a_fall_is_a_fall_in_both() {
+fn slow_a_fall_is_a_fall_in_all() {
     let take = scene(
         "settle_s: 2, pushes: [Push(link: \"pelvis\", impulse_ns: 70, towards_deg: 180, start_s: 0.3)]",
     );
@@ -40,15 +40,17 @@ fn slow_a_fall_is_a_fall_in_both() {
     let verdict = &run.checks[0];
     println!("{}", verdict.at);
     assert_eq!((verdict.ours, verdict.mujoco, verdict.pass), (0.0, 0.0, true), "{}", verdict.at);
-    let stories = [&run.ours, &run.theirs].map(|t| dynamics::fall::of(t).unwrap());
+    let stories = [&run.ours, &run.theirs, &run.core].map(|t| dynamics::fall::of(t).unwrap());
     let causes = stories.each_ref().map(|f| f.cause().unwrap());
-    assert_eq!(causes[0].margin, causes[1].margin, "{stories:?}");
-    assert!((causes[0].time_s - causes[1].time_s).abs() < 0.05, "{stories:?}");
+    for other in &causes[1..] {
+        assert_eq!(causes[0].margin, other.margin, "{stories:?}");
+        assert!((causes[0].time_s - other.time_s).abs() < 0.05, "{stories:?}");
+    }
 }
 
-/// A slope and a crate that comes and goes: the same forces in both.
+/// A slope and a crate that comes and goes: the same forces in all.
 #[test]
-fn slow_a_slope_and_a_crate_weigh_the_same_in_both() {
+fn slow_a_slope_and_a_crate_weigh_the_same_in_all() {
     let take = scene(
         "settle_s: 1.8, world: (ground: Plane(friction: 0.8, tilt_deg: 4, towards_deg: 20)),
         carried: [Carried(link: \"chest\", mass_kg: 5, at_m: (0.05, 0, 0.2), from_s: 0.8, to_s: 1.3)]",
@@ -56,7 +58,7 @@ fn slow_a_slope_and_a_crate_weigh_the_same_in_both() {
     let run = ground::scene(&bridge(), &take, &mut |_| {}).unwrap();
     assert_eq!(failed(&run.checks), [""; 0]);
     // m g with the crate and without, at the ends of the two spans
-    for trace in [&run.ours, &run.theirs] {
+    for trace in [&run.ours, &run.theirs, &run.core] {
         let sums = trace.contact_sums();
         for (s, mass) in [(1.28, 80.0), (1.78, 75.0)] {
             let row = (s * trace.rate_hz) as usize;
@@ -68,9 +70,9 @@ fn slow_a_slope_and_a_crate_weigh_the_same_in_both() {
     }
 }
 
-/// Ground that tilts under the feet: the same forces and the same verdict in both.
+/// Ground that tilts under the feet: the same forces and the same verdict in all.
 #[test]
-fn slow_a_seesaw_is_one_in_both() {
+fn slow_a_seesaw_is_one_in_all() {
     let take = scene(
         "settle_s: 2.4, world: (ground: Plane(friction: 0.8, tilts: [
             Tilt(start_s: 0.3, duration_s: 0.7, tilt_deg: 5, towards_deg: 30),
@@ -78,9 +80,9 @@ fn slow_a_seesaw_is_one_in_both() {
     );
     let run = ground::scene(&bridge(), &take, &mut |_| {}).unwrap();
     assert_eq!(failed(&run.checks), [""; 0]);
-    // the soles of both ride on the ground
+    // the soles of all ride on the ground
     let sole = take.body.character.skeleton.sites()[take.body.character.contacts[0]].clone();
-    for trace in [&run.ours, &run.theirs] {
+    for trace in [&run.ours, &run.theirs, &run.core] {
         let row = (1.1 * trace.rate_hz) as usize;
         let k = motion::Kinematics::new(&take.body.character.skeleton, trace.pose(row));
         let p = k.point(sole.link, &sole.at);
@@ -131,13 +133,14 @@ fn slow_a_body_that_is_given_a_mass_is_one_with_it() {
     }
 }
 
-/// Pushes forward and back, coarse: both engines find the same border within the tolerance of the demand.
+/// Pushes forward and back, coarse: all engines find the same border within the tolerance of the demand.
 #[test]
 fn slow_push_maps_agree() {
     let settings =
         PushSettings { directions: 2, tolerance: 0.08, at_s: 0.5, after_s: 2.0, ..PushSettings::default() };
-    let pair = push::compare(&scene("settle_s: 1"), settings, &crosscheck::engine(|_| {}), &|_| {}).unwrap();
-    println!("{} and {}", pair.ours.mean_ratio, pair.theirs.mean_ratio);
-    assert_eq!((pair.ours.engine.as_str(), pair.theirs.engine.as_str()), ("rapier", "mujoco"));
-    assert!(pair.check.pass, "{:?}", pair.check);
+    let maps = push::compare(&scene("settle_s: 1"), settings, &crosscheck::engine(|_| {}), &|_| {}).unwrap();
+    let engines = [&maps.core, &maps.ours, &maps.theirs].map(|m| (m.engine.as_str(), m.mean_ratio));
+    println!("{engines:?}");
+    assert_eq!(engines.map(|e| e.0), ["core", "rapier", "mujoco"]);
+    assert!(maps.check.pass, "{:?}", maps.check);
 }
