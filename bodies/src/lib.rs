@@ -10,6 +10,8 @@
 //! | [`anthropometry`] | a body for any human-like skeleton |
 //! | [`density`] | mass and inertia of solids of even density |
 //! | [`mass`] | rigid bodies taken as one |
+//! | [`prop`] | boxes and ramps fixed in the world |
+//! | [`self_collision`] | which shapes of a body may touch each other |
 //! | [`pose_map`] | poses between a clip's skeleton and a character's |
 //!
 //! Units: kg, m, rad; kg·m² about the centre of mass, link axes.
@@ -20,8 +22,12 @@ pub mod character;
 pub mod density;
 pub mod mass;
 pub mod pose_map;
+pub mod prop;
+pub mod self_collision;
 
 pub use anthropometry::{BodyOptions, BodyReport, GuessError, guess_body, guess_body_of_clip};
 pub use carried::Carried;
 pub use character::{Body, Character, CharacterError, JointClass};
 pub use pose_map::{PoseMap, PoseMapError};
+pub use prop::Prop;
+pub use self_collision::LinkCapsule;

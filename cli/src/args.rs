@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use clap::{Args, Parser, Subcommand};
 use plots::View;
 use studies::push::PushSettings;
-use takes::overrides::{RATES, RootChoice, SUBSTEPS, Strategy, TENSIONS};
+use takes::overrides::{RATES, RootChoice, SUBSTEPS, Strategy, TENSIONS, props};
 use takes::{Ask, Overrides, Patch, SceneError};
 
 use crate::common_args::{ClipArgs, engine_help, frame_rate, length, number, view_help, whole};
@@ -106,6 +106,12 @@ pub struct PhysicsArgs {
     /// Strategies of balance to switch off
     #[arg(long, value_name = "STRATEGY", value_parser = word::<Strategy>(), value_delimiter = ',')]
     pub without: Vec<Strategy>,
+    /// Box or ramp fixed in the world, as a scene has it: 'Box(at_m: (0, 0, 0.5), size_m: (0.4, 0.2, 0.3))'; may be repeated
+    #[arg(long = "prop", value_name = "PROP", value_parser = prop)]
+    pub props: Vec<String>,
+    /// Let links touch each other
+    #[arg(long)]
+    pub self_collision: bool,
 }
 
 impl PhysicsArgs {
@@ -120,9 +126,15 @@ impl PhysicsArgs {
             rate_hz: self.rate,
             substeps: self.substeps,
             without: self.without.clone(),
+            props: props(&self.props)?,
+            self_collision: self.self_collision,
             ..Overrides::default()
         })
     }
+}
+
+fn prop(text: &str) -> Result<String, String> {
+    props(&[text.to_owned()]).map(|_| text.to_owned()).map_err(|e| e.to_string())
 }
 
 /// Arguments of `render`.

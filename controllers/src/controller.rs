@@ -104,7 +104,8 @@ impl Controller {
     /// Takes in the contacts of the last step, which reactive properties see in the next one.
     pub fn observe_contacts(&mut self, contacts: &[ContactSample]) {
         self.contacts.clear();
-        self.contacts.extend_from_slice(contacts);
+        // what links do to each other bears no load
+        self.contacts.extend(contacts.iter().filter(|c| c.against.is_world()));
     }
 
     /// Drives for the step that ends at `row`, from the simulated state `q`, `v` at its start.

@@ -62,6 +62,8 @@ fn settings(substeps: usize) -> EngineSettings {
         ground: Some(GROUND),
         pinned: false,
         contact: Default::default(),
+        props: Default::default(),
+        self_collision: false,
     }
 }
 

@@ -48,7 +48,16 @@ fn solid_box() -> Character {
 
 fn box_settings(rate_hz: f64, gravity: Vec3, contact: ContactLaw) -> EngineSettings {
     let ground = Some(Floor::level(0.0, 0.8));
-    EngineSettings { rate_hz, substeps: 1, gravity, ground, pinned: false, contact }
+    EngineSettings {
+        rate_hz,
+        substeps: 1,
+        gravity,
+        ground,
+        pinned: false,
+        contact,
+        props: Default::default(),
+        self_collision: false,
+    }
 }
 
 /// Total contact force of each step.
@@ -77,8 +86,8 @@ pub fn resting_box(bridge: &Shared) -> Result<Vec<Check>, EngineError> {
     for (name, tilt) in [("box at rest", 0.0), ("box on a slope", SLOPE)] {
         let gravity = Vec3::new(G * f64::sin(tilt), -G * f64::cos(tilt), 0.0);
         let settings = box_settings(240.0, gravity, ContactLaw::Stiff);
-        let mut ours = rapier::engine().build(&character, settings, &q, &v)?;
-        let mut fast = core::engine().build(&character, settings, &q, &v)?;
+        let mut ours = rapier::engine().build(&character, settings.clone(), &q, &v)?;
+        let mut fast = core::engine().build(&character, settings.clone(), &q, &v)?;
         let mut theirs = engine_in(bridge, standing()).build(&character, settings, &q, &v)?;
         let last = |f: Vec<Vec3>| f[f.len() - 60..].iter().sum::<Vec3>() / 60.0;
         let (a, b) = (last(forces(ours.as_mut(), 480)?), last(forces(theirs.as_mut(), 480)?));
@@ -236,7 +245,7 @@ fn drop(bridge: &Shared, rate_hz: f64, natural_hz: f64) -> Result<[Vec<Vec3>; 3]
     let law = ContactLaw::Spring { natural_frequency_hz: natural_hz, damping_ratio: LANDING_ZETA };
     let settings = box_settings(rate_hz, Vec3::new(0.0, -G, 0.0), law);
     let steps = (0.35 * rate_hz) as usize;
-    let mut ours = rapier::engine().build(&character, settings, &q, &v)?;
+    let mut ours = rapier::engine().build(&character, settings.clone(), &q, &v)?;
     let mut theirs = engine_in(bridge, integration).build(&character, settings, &q, &v)?;
     let mut core = core::engine().build(&character, settings, &q, &v)?;
     Ok([forces(ours.as_mut(), steps)?, forces(theirs.as_mut(), steps)?, forces(core.as_mut(), steps)?])

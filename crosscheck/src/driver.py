@@ -251,6 +251,12 @@ class Session:
                 m.geom_solref[g] = request["solref"]
             if request.get("solimp"):
                 m.geom_solimp[g] = request["solimp"]
+        # links that touch each other yield as everything else does
+        for p in range(m.npair):
+            if request.get("solref"):
+                m.pair_solref[p] = request["solref"]
+            if request.get("solimp"):
+                m.pair_solimp[p] = request["solimp"]
         self.balls = Balls(request["balls"], m)
         self.hinges = []
         for spec in request["hinges"]:
@@ -272,7 +278,12 @@ class Session:
             joint = m.joint("ground")
             self.turning = (joint.qposadr[0] + np.arange(4), joint.dofadr[0] + np.arange(3))
             d.qpos[self.turning[0]] = request["ground"]
-        self.ground = mujoco.mj_name2id(m, mujoco.mjtObj.mjOBJ_GEOM, "ground")
+        # what is of the world: -1 the ground, -2 and below the props
+        self.world = {mujoco.mj_name2id(m, mujoco.mjtObj.mjOBJ_GEOM, "ground"): -1}
+        for g in range(m.ngeom):
+            name = m.geom(g).name
+            if m.geom_bodyid[g] == 0 and name.startswith("prop_"):
+                self.world[g] = -2 - int(name[5:])
         mujoco.mj_forward(m, d)
         mujoco.set_mjcb_control(self.control)
         answer({})
@@ -343,8 +354,11 @@ class Session:
             for i in range(d.ncon):
                 self.contact(i, f, sums)
         touching = []
-        for (body, *_), (load, at, force, depth) in sums.items():
-            touching += [body, *(at / load), *(force / self.substeps), depth]
+        for (body, geom, against, *_), (load, at, force, depth) in sums.items():
+            touching += [body, *(at / load), *(force / self.substeps), depth, against]
+            if against >= 0:
+                # the other link feels the opposite at the same point
+                touching += [against, *(at / load), *(-force / self.substeps), depth, body]
         bad = bool(np.isnan(d.qpos).any() or d.warning[int(mujoco.mjtWarning.mjWARN_BADQACC)].number)
         answer({"bad": bad, "time_s": d.time}, np.concatenate((d.qpos, d.qvel, touching)))
 
@@ -356,10 +370,15 @@ class Session:
         if c.efc_address < 0 or f[0] <= 0.0:
             return
         # the frame's first row points from the first geom to the second, and so does the force
-        sign, geom = (1.0, c.geom2) if c.geom1 == self.ground else (-1.0, c.geom1)
+        if c.geom1 in self.world:
+            sign, geom, against = 1.0, c.geom2, self.world[c.geom1]
+        elif c.geom2 in self.world:
+            sign, geom, against = -1.0, c.geom1, self.world[c.geom2]
+        else:
+            sign, geom, against = -1.0, c.geom1, int(m.geom_bodyid[c.geom2])
         force = sign * (c.frame.reshape(3, 3).T @ f[:3])
         local = d.geom_xmat[geom].reshape(3, 3).T @ (c.pos - d.geom_xpos[geom])
-        key = (int(m.geom_bodyid[geom]), geom, *(local > 0.0).tolist())
+        key = (int(m.geom_bodyid[geom]), geom, against, *(local > 0.0).tolist())
         load, at, total, _ = sums.get(key, (0.0, np.zeros(3), np.zeros(3), 0.0))
         sums[key] = (load + f[0], at + f[0] * c.pos, total + force, -c.dist)
 

@@ -47,15 +47,16 @@ pub fn standing() -> Integration {
     }
 }
 
-/// How a body with these settings is integrated, in as many steps as they say: on ground so that its contact solver sees the implicit damping,
+/// How a body with these settings is integrated, in as many steps as they say: where it may touch something so that its contact solver sees the implicit damping,
 /// elsewhere to fourth order.
 fn integration(settings: &EngineSettings) -> Result<Integration, EngineError> {
-    match (settings.contact, settings.ground) {
-        (ContactLaw::Spring { .. } | ContactLaw::Compliant { .. }, Some(_)) => Err(EngineError::Failed(
+    let touches = settings.ground.is_some() || !settings.props.is_empty() || settings.self_collision;
+    match (settings.contact, touches) {
+        (ContactLaw::Spring { .. } | ContactLaw::Compliant { .. }, true) => Err(EngineError::Failed(
             "spring contacts are not translated to MuJoCo, whose solref is per mass of the body; use stiff ones".into(),
         )),
-        (ContactLaw::Stiff, Some(_)) => Ok(Integration { substeps: settings.substeps, ..standing() }),
-        (_, None) => Ok(Integration::reference(settings.substeps)),
+        (ContactLaw::Stiff, true) => Ok(Integration { substeps: settings.substeps, ..standing() }),
+        (_, false) => Ok(Integration::reference(settings.substeps)),
     }
 }
 

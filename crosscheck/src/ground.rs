@@ -55,6 +55,8 @@ pub fn standing_weight(bridge: &Shared, take: &Take) -> Result<Check, PassError>
             root: RootMode::Free,
             ground: p.ground,
             tilts: Vec::new(),
+            props: Vec::new(),
+            self_collision: false,
             pushes: Vec::new(),
             carried: Vec::new(),
             past_fall: false,

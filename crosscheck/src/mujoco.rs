@@ -11,7 +11,7 @@
 use bodies::Character;
 use controllers::antagonist::{SetPoints, axis_set_points};
 use controllers::{Drive, Rest};
-use dynamics::{Model, State, Wrench};
+use dynamics::{Against, Model, State, Wrench};
 use formats::mjcf::{self, MjcfOptions};
 use formats::mujoco_layout::Layout;
 use motion::rotation::log;
@@ -24,6 +24,9 @@ use crate::bridge::{BridgeError, Shared, Source, lock};
 
 /// The name by which it is chosen.
 pub const NAME: &str = "mujoco";
+
+/// Numbers of a contact in an answer: body, point, force, depth, what it is against.
+const CONTACT: usize = 9;
 
 /// How MuJoCo integrates and how its contacts yield.
 #[derive(Clone, Debug, PartialEq)]
@@ -103,6 +106,8 @@ impl Mujoco {
             gravity: settings.gravity,
             ground: settings.ground,
             antagonists,
+            props: settings.props.to_vec(),
+            self_collision: settings.self_collision,
             ..MjcfOptions::default()
         };
         let file = mjcf::write(character, &options).map_err(|e| EngineError::Failed(e.to_string()))?;
@@ -306,7 +311,7 @@ impl Engine for Mujoco {
             self.rate = Vec3::zeros();
         }
         let (nq, nv) = (self.layout.nq, self.layout.nv);
-        if answer.len() < nq + nv || !(answer.len() - nq - nv).is_multiple_of(8) {
+        if answer.len() < nq + nv || !(answer.len() - nq - nv).is_multiple_of(CONTACT) {
             return Err(engine(BridgeError::Length { found: answer.len(), wanted: nq + nv }));
         }
         if head["bad"].as_bool() != Some(false) {
@@ -325,8 +330,14 @@ impl Engine for Mujoco {
     }
 
     fn contacts(&self, out: &mut Vec<ContactForce>) {
-        out.extend(self.touching.chunks_exact(8).map(|c| ContactForce {
+        let against = |code: f64| match code as i64 {
+            -1 => Against::Ground,
+            prop @ ..=-2 => Against::Prop((-2 - prop) as usize),
+            body => Against::Link(self.link_of[body as usize]),
+        };
+        out.extend(self.touching.chunks_exact(CONTACT).map(|c| ContactForce {
             link: self.link_of[c[0] as usize],
+            against: against(c[8]),
             point: Vec3::new(c[1], c[2], c[3]),
             force: Vec3::new(c[4], c[5], c[6]),
             depth: c[7],

@@ -106,6 +106,8 @@ fn slow_a_body_that_is_given_a_mass_is_one_with_it() {
         ground: None,
         pinned: false,
         contact: Default::default(),
+        props: Default::default(),
+        self_collision: false,
     };
     let v: Vec<f64> = (0..human.skeleton.nv()).map(|i| 0.5 * (i as f64 * 2.3).cos()).collect();
     for name in ["wrist_r", "pelvis"] {
@@ -114,7 +116,7 @@ fn slow_a_body_that_is_given_a_mass_is_one_with_it() {
         let heavy = human.carrying([&load]);
         let build = |c: &bodies::Character| {
             let integration = Integration::reference(2);
-            Mujoco::new(bridge(), &integration, c, settings, &human.rest, &v).unwrap()
+            Mujoco::new(bridge(), &integration, c, settings.clone(), &human.rest, &v).unwrap()
         };
         let (mut given, mut built, mut light) = (build(&human), build(&heavy), build(&human));
         given.set_masses(&heavy).unwrap();

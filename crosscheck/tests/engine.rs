@@ -20,6 +20,8 @@ fn settings() -> EngineSettings {
         ground: None,
         pinned: false,
         contact: ContactLaw::Stiff,
+        props: Default::default(),
+        self_collision: false,
     }
 }
 

@@ -6,8 +6,8 @@
 //! *Fallen*: load or height outside the contact plan. Something that the motion asked for does not bring to the ground
 //! carries more than [`CARRIES_N`]; or the body stands on the ground with its root lower than [`LOW`] of what was asked.
 //! Feet may always carry. So may a point of a link that comes within [`NEAR_M`] of the ground in the motion asked for, then or in
-//! the [`NEAR_S`] before: knees that kneel, hands of a cartwheel, the back of a sleeper. A body in the air has not fallen
-//! yet.
+//! the [`NEAR_S`] before: knees that kneel, hands of a cartwheel, the back of a sleeper. The same of props: what the motion asked for
+//! brings near the prop that it touches may lean on it. What links do to each other is no load. A body in the air has not fallen yet.
 //!
 //! *Margins*, each with what losing it means. A margin counts as lost at the beginning of the last span of time in
 //! which it is gone without a break longer than [`BREAK_S`] and which lasts until the fall; what came back is not a
@@ -31,7 +31,7 @@ use motion::support::ground;
 use motion::{Joint, Kinematics, Sole, Vec3};
 
 use crate::trigger::{self, Trigger};
-use crate::{ContactSample, Model, RootMode, Trace};
+use crate::{Against, ContactSample, Model, RootMode, Trace};
 use bodies::JointClass;
 
 /// A link other than a foot that carries more than this has fallen on the ground, N.
@@ -147,7 +147,8 @@ impl fmt::Display for Fall {
 pub fn fallen(trace: &Trace, model: &Model, row: usize) -> bool {
     let Some(ground) = trace.ground_m else { return false };
     let first = trace.contacts.partition_point(|c| c.row < row);
-    let here: Vec<&ContactSample> = trace.contacts[first..].iter().take_while(|c| c.row == row).collect();
+    let here = trace.contacts[first..].iter().take_while(|c| c.row == row);
+    let here: Vec<&ContactSample> = here.filter(|c| c.against.is_world()).collect();
     if here.iter().all(|c| c.force.norm() == 0.0) {
         return false; // in the air
     }
@@ -175,8 +176,13 @@ fn is_asked(trace: &Trace, row: usize, contact: &ContactSample) -> bool {
     (0..LOOKS).any(|look| {
         let back = (NEAR_S * trace.rate_hz * look as f64 / (LOOKS - 1) as f64).round() as usize;
         k.update(skeleton, trace.target_pose(row.saturating_sub(back)));
-        // the motion asked for was made for the floor of row 0
-        trace.height(0, &k.point(contact.link, &at)) < NEAR_M
+        let asked = k.point(contact.link, &at);
+        let away = match contact.against {
+            Against::Prop(i) => trace.disturbed.props.get(i).map_or(f64::INFINITY, |p| p.distance(&asked)),
+            // the motion asked for was made for the floor of row 0
+            Against::Ground | Against::Link(_) => trace.height(0, &asked),
+        };
+        away < NEAR_M
     })
 }
 

@@ -20,7 +20,7 @@ pub fn performed(trace: &Trace) -> FeetMetrics {
         k.update(&c.skeleton, trace.pose(row));
         loaded.fill(false);
         while let Some(contact) = contacts.next_if(|c| c.row <= row) {
-            loaded[body(contact.link)] |= contact.force.norm_squared() > 0.0;
+            loaded[body(contact.link)] |= contact.against.is_world() && contact.force.norm_squared() > 0.0;
         }
         meter
             .add(sites.iter().map(|s| (trace.on_ground(row, &k.point(s.link, &s.at)), loaded[body(s.link)])));

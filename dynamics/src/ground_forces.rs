@@ -118,7 +118,7 @@ impl GroundForces {
     pub fn measured(trace: &Trace) -> Self {
         let owner = owners(&trace.character);
         let mut out = Self::zeros(&trace.character, trace.rows(), trace.rate_hz);
-        for c in &trace.contacts {
+        for c in trace.contacts.iter().filter(|c| c.against.is_world()) {
             out.add(c.row, owner[c.link], c.force);
         }
         // row 0 is the state at the start: no step has been made, so there is no force

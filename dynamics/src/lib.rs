@@ -52,5 +52,5 @@ pub use inertia::{Momentum, MomentumRate};
 pub use model::{Model, MovingBody, State};
 pub use penalty::Penalty;
 pub use rnea::{Wrench, total_wrench};
-pub use trace::{ContactSample, Disturbed, Handed, Trace};
+pub use trace::{Against, ContactSample, Disturbed, Handed, Trace};
 pub use verdict::Verdict;

@@ -9,20 +9,41 @@ use std::sync::Arc;
 
 use motion::{Clip, Quat, Vec3};
 
-use bodies::{Carried, Character};
+use bodies::{Carried, Character, Prop};
 
 use crate::RootMode;
+
+/// What a link touches.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Against {
+    /// The ground.
+    #[default]
+    Ground,
+    /// A prop, by its number.
+    Prop(usize),
+    /// Another link of the same body.
+    Link(usize),
+}
+
+impl Against {
+    /// Whether it is the world: its force is an outside force.
+    pub fn is_world(self) -> bool {
+        !matches!(self, Self::Link(_))
+    }
+}
 
 /// Force at one contact point during one step.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ContactSample {
     /// Row of the trace.
     pub row: usize,
-    /// Link that touches the ground.
+    /// Link that is touched.
     pub link: usize,
+    /// What it touches. Where that is another link, there are two samples at one point: equal and opposite forces.
+    pub against: Against,
     /// Point of contact, world, m.
     pub point: Vec3,
-    /// Force on the body, mean over the step, world, N.
+    /// Force on the link, mean over the step, world, N.
     pub force: Vec3,
     /// Depth of penetration, m (negative when apart).
     pub depth: f64,
@@ -64,6 +85,8 @@ pub struct Disturbed {
     /// origin (N·m·s), its work (J). The balance of the momentum holds with it in place and does not contain it; without it, it would be
     /// left over. Empty of engines that do not correct.
     pub root_correction: Vec<f64>,
+    /// Boxes and ramps beside the ground.
+    pub props: Vec<Prop>,
 }
 
 impl Default for Disturbed {
@@ -74,6 +97,7 @@ impl Default for Disturbed {
             carried: Vec::new(),
             carried_com: Vec::new(),
             root_correction: Vec::new(),
+            props: Vec::new(),
         }
     }
 }
@@ -214,11 +238,20 @@ impl Trace {
         Vec3::y() * self.ground_m.unwrap_or(0.0)
     }
 
-    /// Centre of pressure of a row on the ground plane, m; `None` without load.
+    /// Name of what a contact is against: `ground`, a prop, a link.
+    pub fn against(&self, contact: &ContactSample) -> &str {
+        match contact.against {
+            Against::Ground => "ground",
+            Against::Prop(i) => self.disturbed.props.get(i).map_or("prop", |p| &p.name),
+            Against::Link(l) => &self.character.skeleton.links()[l].name,
+        }
+    }
+
+    /// Centre of pressure of a row on the ground and the props, m; `None` without load.
     pub fn cop(&self, row: usize) -> Option<Vec3> {
         let first = self.contacts.partition_point(|c| c.row < row);
         let (mut sum, mut at) = (0.0, Vec3::zeros());
-        for c in self.contacts[first..].iter().take_while(|c| c.row == row) {
+        for c in self.contacts[first..].iter().take_while(|c| c.row == row).filter(|c| c.against.is_world()) {
             sum += c.force.y;
             at += c.point * c.force.y;
         }
@@ -288,6 +321,7 @@ impl Trace {
             carried: d.carried.iter().map(handed).collect(),
             carried_com: part(&d.carried_com),
             root_correction: part(&d.root_correction),
+            props: d.props.clone(),
         };
         Self {
             q: part(&self.q),

@@ -33,6 +33,7 @@ fn lying(mass: f64) -> Trace {
         rest: rest.clone(),
     };
     let contact = |row| ContactSample {
+        against: Default::default(),
         row,
         link: 0,
         point: Vec3::zeros(),

@@ -81,7 +81,7 @@ fn projectile(rows: usize, substeps: usize) -> Trace {
                 velocity += force / mass * h;
                 x += velocity * h;
             }
-            t.contacts.push(ContactSample { row, link: 1, point: x, force: contact, depth: 0.001 });
+            t.contacts.push(ContactSample { row, link: 1, against: Default::default(), point: x, force: contact, depth: 0.001 });
         }
         let mut q = character.skeleton.zero_pose();
         q[..3].copy_from_slice(x.as_slice());
@@ -175,6 +175,7 @@ fn units_name_arrays() {
         carried: vec![dynamics::Handed { what, from_row: 0, to_row: 5 }],
         carried_com: vec![0.0; 15],
         root_correction: vec![0.0; 35],
+        props: vec![bodies::Prop::upright("step", Vec3::x(), Vec3::new(1.0, 2.0, 3.0), 0.1, 0.8)],
     };
     [plain, disturbed].iter().for_each(units_name_arrays_of);
 }

@@ -4,9 +4,10 @@ use std::collections::BTreeMap;
 use std::io::{Cursor, Read, Write};
 use std::sync::Arc;
 
+use bodies::Prop;
 use bodies::Carried;
 use bodies::anthropometry::human::human;
-use dynamics::{ContactSample, Disturbed, Handed, RootMode, Trace};
+use dynamics::{Against, ContactSample, Disturbed, Handed, RootMode, Trace};
 use formats::TraceFileError;
 use formats::trace_npz;
 use motion::{Joint, Range, Shape, Vec3};
@@ -23,6 +24,10 @@ fn disturbed(rows: usize) -> Disturbed {
         carried: vec![Handed { what, from_row: 1, to_row: 4 }],
         carried_com: numbers(3),
         root_correction: numbers(7),
+        props: vec![
+            Prop::upright("step", Vec3::new(0.1, 0.2, 0.3), Vec3::new(0.4, 0.5, 0.6), 0.7, 0.8),
+            Prop::ramp("Rampe", Vec3::x(), (2.0, 1.0, 0.1), (0.3, -0.4), 0.5),
+        ],
     }
 }
 
@@ -74,7 +79,8 @@ fn sample(rows: usize) -> Trace {
         for link in [2, 5] {
             let n = numbers(7);
             let (point, force) = (Vec3::new(n[0], n[1], n[2]), Vec3::new(n[3], n[4], n[5]));
-            trace.contacts.push(ContactSample { row, link, point, force, depth: n[6] });
+            let against = [Against::Link(5), Against::Prop(1), Against::Ground][row % 3];
+            trace.contacts.push(ContactSample { row, link, against, point, force, depth: n[6] });
         }
     }
     trace

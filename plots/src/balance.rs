@@ -70,7 +70,7 @@ fn from_above(trace: &Excerpt, com: &[Vec3]) -> Panel {
     let path: Vec<[f64; 2]> = com.iter().map(|p| seen(&ground(p))).collect();
     let weight = weight(trace);
     let mut load = vec![0.0; com.len()];
-    for c in trace.contacts.iter().filter(|c| c.row < com.len()) {
+    for c in trace.contacts.iter().filter(|c| c.row < com.len() && c.against.is_world()) {
         load[c.row] += c.force.y;
     }
     let pressure: Vec<[f64; 2]> = (0..com.len())
@@ -152,7 +152,7 @@ fn standing(trace: &Excerpt) -> (Support, Vec<Support>) {
 /// Support of each row: the hull of its contacts.
 fn supports(trace: &Excerpt, rows: usize) -> Vec<Support> {
     let mut points: Vec<Vec<Vec2>> = vec![Vec::new(); rows];
-    for c in trace.contacts.iter().filter(|c| c.row < rows) {
+    for c in trace.contacts.iter().filter(|c| c.row < rows && c.against.is_world()) {
         points[c.row].push(ground(&c.point));
     }
     points.into_iter().map(Support::of_plane).collect()

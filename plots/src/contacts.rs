@@ -25,13 +25,13 @@ pub fn contact_forces<'a>(trace: impl Into<Excerpt<'a>>, note: &str) -> Figure {
         let why = "this trace has no ground: nothing touches the body, the root is held from outside";
         return empty_page(title, note, why);
     }
-    if rows == 0 || !trace.contacts.iter().any(|c| c.row < rows) {
+    if rows == 0 || !trace.contacts.iter().any(|c| c.row < rows && c.against.is_world()) {
         return empty_page(title, note, "no contact in this trace: the body never touches the ground");
     }
     let weight = weight(trace);
     let parts = parts(trace, rows);
     let mut total = vec![Vec3::zeros(); rows];
-    for c in trace.contacts.iter().filter(|c| c.row < rows) {
+    for c in trace.contacts.iter().filter(|c| c.row < rows && c.against.is_world()) {
         total[c.row] += c.force;
     }
     let all = |f: fn(&Vec3) -> f64, with_total: bool| -> Vec<Series> {
@@ -113,7 +113,8 @@ fn parts(trace: &Excerpt, rows: usize) -> Vec<Part> {
         })
         .collect();
     let mut pressed: Vec<(usize, f64)> = Vec::new();
-    for c in trace.contacts.iter().filter(|c| c.row < rows && c.link < links.len()) {
+    let loads = |c: &&dynamics::ContactSample| c.row < rows && c.link < links.len() && c.against.is_world();
+    for c in trace.contacts.iter().filter(loads) {
         let part = owner[c.link];
         match pressed.iter_mut().find(|p| p.0 == part) {
             Some(p) => p.1 += c.force.y.abs(),
@@ -140,7 +141,8 @@ fn parts(trace: &Excerpt, rows: usize) -> Vec<Part> {
         }
         index[*part] = Some(i.min(last));
     }
-    for c in trace.contacts.iter().filter(|c| c.row < rows && c.link < links.len()) {
+    let loads = |c: &&dynamics::ContactSample| c.row < rows && c.link < links.len() && c.against.is_world();
+    for c in trace.contacts.iter().filter(loads) {
         if let Some(i) = index[owner[c.link]] {
             out[i].forces[c.row] += c.force;
         }

@@ -8,9 +8,9 @@
 //!
 //! Source: Neff, Fiume. Aesthetic Edits for Character Animation, SCA 2003 (NF03).
 
-use bodies::{Character, JointClass};
+use bodies::{Character, JointClass, Prop};
 use motion::support::Vec2;
-use motion::{Clip, Floor, Joint, Kinematics, Transform, Vec3};
+use motion::{Clip, Floor, Joint, Kinematics, Quat, Shape, Transform, Vec3};
 
 use crate::camera::{Camera, View, facing};
 use crate::face::{Face, Feature};
@@ -67,6 +67,8 @@ pub struct StripOptions {
     pub ground_m: Option<f64>,
     /// Title; `None` names the rows.
     pub title: Option<String>,
+    /// Boxes and ramps of the world: what of them is near each figure.
+    pub props: Vec<Prop>,
     /// Red, green and blue per link; links beyond the end or with `None` are tinted by their side.
     pub colors: Vec<Option<[u8; 3]>>,
 }
@@ -82,6 +84,7 @@ impl Default for StripOptions {
             to_s: None,
             ground_m: None,
             title: None,
+            props: Vec::new(),
             colors: Vec::new(),
         }
     }
@@ -104,6 +107,9 @@ const FOLLOW: f64 = 0.6;
 /// An eye is drawn where the cosine of the angle between its look and the viewer is more than this: nearer to the edge of the
 /// head it would stick out.
 const EDGE: f64 = 0.12;
+const PROP: Color = Color(196, 190, 180);
+/// What of a prop is farther than this from the figure along one of its edges is not drawn, m.
+const PROP_NEAR: f64 = 0.8;
 /// Height over the ground, or depth below it, m, beyond which a figure is not drawn where it is.
 const AWAY: f64 = 2.5;
 
@@ -153,6 +159,39 @@ pub(crate) struct Frame {
     shadows: Vec<Vec<Vec2>>,
     /// Height over the ground, m, if that is too far to be drawn.
     away: Option<f64>,
+}
+
+impl Frame {
+    /// Draws what of a prop is near a figure at `about`, over all groups that lie behind it and under those that stand on it or before it.
+    fn insert(&mut self, prop: &Prop, about: &Vec3, camera: &Camera) {
+        let local = prop.place.inverse_transform_point(&(*about).into()).coords;
+        let lo = (local - Vec3::repeat(PROP_NEAR)).sup(&-prop.half);
+        let hi = (local + Vec3::repeat(PROP_NEAR)).inf(&prop.half);
+        if lo.iter().zip(&hi).any(|(lo, hi)| lo >= hi) {
+            return;
+        }
+        let (center, half) = (0.5 * (lo + hi), 0.5 * (hi - lo));
+        let shape = Shape::Box { center, half, rotation: Quat::identity() };
+        let drawn = solid(&shape, &prop.place, camera, PROP);
+        let seen = |p: Vec3| camera.project(&prop.place.transform_point(&p.into()).coords);
+        let middle = seen(center);
+        let before = |g: &Group| {
+            let points = g.solids.iter().flat_map(|s| s.outline.iter().map(|p| Vec3::new(p.x, p.y, s.near)));
+            let (sum, count) = points.fold((Vec3::zeros(), 0.0), |(s, n), p| (s + p, n + 1.0));
+            let away = sum / count - middle;
+            // it lies beyond a face that is seen: along each axis the side that looks at the viewer
+            (0..3).any(|axis| {
+                let mut edge = Vec3::zeros();
+                edge[axis] = half[axis];
+                let edge = seen(center + edge) - middle;
+                let toward = if edge.z < 0.0 { -edge } else { edge };
+                away.dot(&toward) > toward.norm_squared()
+            })
+        };
+        let at = self.groups.iter().position(before).unwrap_or(self.groups.len());
+        let near = drawn.near;
+        self.groups.insert(at, Group { solids: vec![drawn], tint: PROP, near, rim: CONTOUR });
+    }
 }
 
 /// What is said of a figure that is this far over the ground, m.
@@ -209,6 +248,9 @@ impl Scene {
             let origin = level(if travels { k.origin(0) } else { start });
             let floor = Floor { up: row.up(t), ..drawn_floor(ground) };
             let mut frame = painted(k, character, &camera, &floor, options);
+            for prop in &options.props {
+                frame.insert(prop, &k.origin(0), &camera);
+            }
             let height = lowest(std::iter::once(k), character) - floor.under(&origin).y;
             if height.abs() > AWAY {
                 frame.away = Some(height);

@@ -57,6 +57,8 @@ fn standing(reactive: Vec<Box<dyn Reactive>>) -> Run {
         ground: Some(Floor::level(0.0, 0.8)),
         pushes: Vec::new(),
         tilts: Vec::new(),
+        props: Vec::new(),
+        self_collision: false,
         carried: Vec::new(),
         past_fall: false,
     };

@@ -3,6 +3,7 @@
 //! In: numbers of a scene, of a command line, of a patch. Out: plain values in SI units. What has a time keeps either the
 //! motion's or the world's ([`Clock`]): an edit that retimes the motion moves the first and leaves the second.
 
+use bodies::Prop;
 use controllers::{BalanceSettings, GainBlend, Gaze};
 use dynamics::conditions::Carrying;
 use dynamics::conditions::{GRAVITY, Push, RootMode};
@@ -99,6 +100,21 @@ impl Word for GroundName {
     ];
 }
 
+/// The names of props.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum PropName {
+    /// A box that stands upright.
+    Box,
+    /// A plank that rises.
+    Ramp,
+}
+
+impl Word for PropName {
+    const KIND: &'static str = "prop";
+    const WORDS: &'static [(Self, &'static str, &'static str)] =
+        &[(Self::Box, "box", "A box that stands upright"), (Self::Ramp, "ramp", "A plank that rises")];
+}
+
 /// A condition with the clock of its times.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Timed<T> {
@@ -117,6 +133,10 @@ pub struct ConditionsSpec {
     pub height_given: bool,
     /// Turns of the ground, in order of time.
     pub tilts: Vec<Timed<Tilt>>,
+    /// Boxes and ramps fixed in the world.
+    pub props: Vec<Prop>,
+    /// Whether links touch each other.
+    pub self_collision: bool,
     /// Pushes from outside.
     pub pushes: Vec<Timed<Push>>,
     /// Masses carried.
@@ -136,6 +156,8 @@ impl ConditionsSpec {
             physics: Physics::of_clip(),
             height_given: false,
             tilts: Vec::new(),
+            props: Vec::new(),
+            self_collision: false,
             pushes: Vec::new(),
             carried: Vec::new(),
             gazes: Vec::new(),

@@ -40,6 +40,6 @@ pub use error::{SceneError, Source};
 pub use overrides::Overrides;
 pub use patch::Patch;
 pub use program_spec::ProgramSpec;
-pub use scene::{Scene, SceneSource};
+pub use scene::{Scene, SceneSource, prop_of};
 pub use strip_spec::StripSpec;
 pub use tune_spec::TuneSpec;

@@ -6,15 +6,15 @@
 use std::ops::RangeInclusive;
 use std::str::FromStr;
 
-use bodies::Character;
+use bodies::{Character, Prop};
 pub use controllers::Strategy;
 use dynamics::RootMode;
 pub use dynamics::RootName;
 use motion::Kinematics;
 use motion::names::Word;
 
-use crate::Patch;
-use crate::conditions::Physics;
+use crate::{Patch, SceneError};
+use crate::conditions::{ConditionsSpec, Physics};
 
 /// Rates a simulation may run at, Hz.
 pub const RATES: RangeInclusive<f64> = 30.0..=20_000.0;
@@ -120,6 +120,10 @@ pub struct Overrides {
     pub span_s: Option<(f64, f64)>,
     /// Go on after a fall.
     pub past_fall: bool,
+    /// Props beside those of the file.
+    pub props: Vec<Prop>,
+    /// Let links touch each other.
+    pub self_collision: bool,
 }
 
 /// Reads a part of a clip: `FROM..TO` in seconds.
@@ -131,6 +135,14 @@ pub fn span(text: &str) -> Result<(f64, f64), String> {
     let ends = text.split_once("..").and_then(|(a, b)| Some((number(a)?, number(b)?)));
     ends.filter(|(a, b)| a < b)
         .ok_or_else(|| "allowed: FROM..TO in seconds, FROM before TO, such as 2.5..7".into())
+}
+
+/// Reads props as a scene has them, each a text of its own.
+///
+/// # Errors
+/// Syntax, numbers out of range: at their place.
+pub fn props(texts: &[String]) -> Result<Vec<Prop>, SceneError> {
+    texts.iter().enumerate().map(|(i, text)| crate::prop_of(text, i)).collect()
 }
 
 impl Overrides {
@@ -166,6 +178,18 @@ impl Overrides {
         for &strategy in &self.without {
             physics.balance = physics.balance.without(strategy);
         }
+    }
+
+    /// Changes what is in the world beside the ground.
+    pub fn apply_world(&self, conditions: &mut ConditionsSpec) {
+        for prop in &self.props {
+            let mut prop = prop.clone();
+            if conditions.props.iter().any(|p| p.name == prop.name) {
+                prop.name += " of the command line";
+            }
+            conditions.props.push(prop);
+        }
+        conditions.self_collision |= self.self_collision;
     }
 }
 

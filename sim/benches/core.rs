@@ -29,6 +29,8 @@ fn settings(substeps: usize) -> EngineSettings {
         ground: Some(Floor::level(0.0, 0.8)),
         pinned: false,
         contact: Default::default(),
+        props: Default::default(),
+        self_collision: false,
     }
 }
 

@@ -34,6 +34,8 @@ fn bare(c: &Character) -> (Rapier, Vec<Drive>) {
         ground: Some(GROUND),
         pinned: false,
         contact: Default::default(),
+        props: Default::default(),
+        self_collision: false,
     };
     let still = vec![0.0; c.skeleton.nv()];
     let world = Rapier::new(c, settings, &c.rest, &still).unwrap();
@@ -71,6 +73,8 @@ fn whole(c: &Arc<Character>, scripted: bool) -> Run {
         ground: Some(GROUND),
         pushes: Vec::new(),
         tilts: Vec::new(),
+        props: Vec::new(),
+        self_collision: false,
         carried: Vec::new(),
         past_fall: false,
     };

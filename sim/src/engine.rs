@@ -7,17 +7,19 @@
 //!
 //! World frame, Y up, SI. Poses `q` and velocities `v` are in the layout of [`motion::skeleton`].
 
-use bodies::Character;
+use std::sync::Arc;
+
+use bodies::{Character, Prop};
 use controllers::Drive;
 use controllers::stops::restoring_torque;
-use dynamics::{Model, State, Wrench};
+use dynamics::{Against, Model, State, Wrench};
 use motion::{Floor, Vec3};
 use thiserror::Error;
 
 use crate::Ledger;
 
 /// What an engine is built for.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct EngineSettings {
     /// Control steps per second, Hz.
     pub rate_hz: f64,
@@ -31,6 +33,11 @@ pub struct EngineSettings {
     pub pinned: bool,
     /// How contacts yield.
     pub contact: ContactLaw,
+    /// Boxes and ramps fixed in the world.
+    pub props: Arc<[Prop]>,
+    /// Whether links touch each other: the pairs of [`Character::self_pairs`], with the friction coefficient
+    /// [`motion::floor::FRICTION`].
+    pub self_collision: bool,
 }
 
 /// How contacts yield.
@@ -84,11 +91,13 @@ pub enum EngineError {
 /// Force at one contact point, mean over the last step.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ContactForce {
-    /// Link that touches the ground.
+    /// Link that is touched.
     pub link: usize,
+    /// What it touches. Where that is another link, there are two contacts at one point: equal and opposite forces.
+    pub against: Against,
     /// Point of contact, world, m.
     pub point: Vec3,
-    /// Force on the body, world, N.
+    /// Force on the link, world, N.
     pub force: Vec3,
     /// Depth of penetration, m (negative when apart).
     pub depth: f64,

@@ -7,6 +7,7 @@
 use std::borrow::Cow;
 use std::time::Instant;
 
+use bodies::Prop;
 use controllers::assist::{Assist, Budget};
 use controllers::stops::STIFFNESS_RATIO;
 use controllers::{Controller, LegTension, Plan, Reactive, ReactiveError, Sagging, Setup};
@@ -46,6 +47,10 @@ pub struct Pass {
     pub ground: Option<Floor>,
     /// Turns of the ground, in order of time.
     pub tilts: Vec<Tilt>,
+    /// Boxes and ramps fixed in the world.
+    pub props: Vec<Prop>,
+    /// Whether links touch each other.
+    pub self_collision: bool,
     /// Pushes from outside.
     pub pushes: Vec<Push>,
     /// Masses carried.
@@ -136,6 +141,8 @@ impl Pass {
             ground: self.ground.map(|g| if self.tilts.is_empty() { g } else { g.turning() }),
             pinned,
             contact: ContactLaw::Stiff,
+            props: self.props.into(),
+            self_collision: self.self_collision,
         };
         let controller = Controller::new(plan, self.reactive);
         let goal = controller.goal();
@@ -144,7 +151,7 @@ impl Pass {
         let v = if scripted { vec![0.0; controller.model().nv()] } else { goal.velocity(0).to_vec() };
         let started = Instant::now();
         let load = Load::new(character.clone(), self.carried, rate_hz, goal.rows());
-        let mut engine = engine.build(&load.character(), settings, &q, &v)?;
+        let mut engine = engine.build(&load.character(), settings.clone(), &q, &v)?;
         let stops: Vec<f64> = controller.plan().scale.k1.iter().map(|k| k * STIFFNESS_RATIO).collect();
         engine.set_stops(&stops);
         let mut state = State::new(engine.model());

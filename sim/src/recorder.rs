@@ -80,6 +80,7 @@ impl Recorder {
             link_com: room(3 * links),
             disturbed: Disturbed {
                 ground_up: vec![ground.map_or(Vec3::y(), |g| g.up)],
+                props: settings.props.to_vec(),
                 ..Disturbed::default()
             },
             energy: room(2),
@@ -114,6 +115,7 @@ impl Recorder {
             self.contacts.extend(self.forces.iter().map(|c| ContactSample {
                 row: step.row,
                 link: c.link,
+                against: c.against,
                 point: c.point,
                 force: c.force,
                 depth: c.depth,

@@ -20,7 +20,16 @@ const G: f64 = 9.81;
 
 fn settings(rate_hz: f64, substeps: usize, ground: Option<Floor>) -> EngineSettings {
     let gravity = Vec3::new(0.0, -G, 0.0);
-    EngineSettings { rate_hz, substeps, gravity, ground, pinned: false, contact: ContactLaw::Stiff }
+    EngineSettings {
+        rate_hz,
+        substeps,
+        gravity,
+        ground,
+        pinned: false,
+        contact: ContactLaw::Stiff,
+        props: Default::default(),
+        self_collision: false,
+    }
 }
 
 fn ledger(core: &Core) -> Ledger {

@@ -19,6 +19,8 @@ fn nothing_is_allocated_per_step() {
         ground: Some(Floor::level(0.0, 0.8)),
         pinned: false,
         contact: Default::default(),
+        props: Default::default(),
+        self_collision: false,
     };
     let mut core = Core::new(&c, settings, &c.rest, &vec![0.0; c.skeleton.nv()]).unwrap();
     let bodies = core.model.bodies.len();

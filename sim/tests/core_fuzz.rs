@@ -93,6 +93,8 @@ fn random_bodies_stay_finite_or_say_so() {
             ground: Some(ground),
             pinned: false,
             contact: Default::default(),
+            props: Default::default(),
+            self_collision: false,
         };
         let mut q = c.rest.clone();
         if matches!(c.skeleton.links()[0].joint, Joint::Free) {

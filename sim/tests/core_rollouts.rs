@@ -21,6 +21,8 @@ fn settings(substeps: usize) -> EngineSettings {
         ground: Some(Floor::level(0.0, 0.8).turning()),
         pinned: false,
         contact: ContactLaw::Stiff,
+        props: Default::default(),
+        self_collision: false,
     }
 }
 

@@ -162,6 +162,8 @@ fn wave() -> Pass {
         root: RootMode::Pinned,
         ground: None,
         tilts: Vec::new(),
+        props: Vec::new(),
+        self_collision: false,
         pushes: Vec::new(),
         carried: Vec::new(),
         past_fall: false,

@@ -35,6 +35,8 @@ fn tumble(spin: Vec3, ground: Floor) -> Tumble {
         ground: Some(ground),
         pinned: false,
         contact: Default::default(),
+        props: Default::default(),
+        self_collision: false,
     };
     let mut q = human.rest.clone();
     let r = exp(&(spin * 0.2));

@@ -19,6 +19,8 @@ fn settings(rate_hz: f64, substeps: usize) -> EngineSettings {
         ground: None,
         pinned: false,
         contact: Default::default(),
+        props: Default::default(),
+        self_collision: false,
     }
 }
 
@@ -81,7 +83,7 @@ fn momentum_is_conserved_to_first_order() {
     let drift = |rate: f64| {
         let mut s = settings(rate, 1);
         s.gravity = Vec3::zeros();
-        let mut world = Rapier::new(&c, s, &q, &v).unwrap();
+        let mut world = Rapier::new(&c, s.clone(), &q, &v).unwrap();
         let mut state = State::new(&world.model);
         state.update(&world.model, world.q(), world.v());
         let before = state.momentum(&world.model);
@@ -115,7 +117,7 @@ fn the_ground_carries_the_weight() {
     let mut q = c.skeleton.zero_pose();
     q[1] = 0.605;
     let v = vec![0.0; c.skeleton.nv()];
-    let mut world = Rapier::new(&c, s, &q, &v).unwrap();
+    let mut world = Rapier::new(&c, s.clone(), &q, &v).unwrap();
     let hold = Drive { stiffness: 50.0, damping: 1.0, rest: Rest::Scalar(0.0) };
     for _ in 0..480 {
         world.set_drives(&[Drive::NONE, hold]);
@@ -148,7 +150,7 @@ fn stops_turn_joints_back_at_the_ends_of_their_range() {
     let q = c.skeleton.zero_pose();
     let v = vec![0.8, 3.0, 0.6, 2.0];
     let run = |stops: f64| {
-        let mut world = Rapier::new(&c, s, &q, &v).unwrap();
+        let mut world = Rapier::new(&c, s.clone(), &q, &v).unwrap();
         world.set_stops(&[stops; 3]);
         let mut state = State::new(&world.model);
         let (mut furthest, mut most): (f64, f64) = (0.0, 0.0);

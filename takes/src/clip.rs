@@ -174,6 +174,7 @@ pub(crate) fn take(
     let ClipInput { name, shown, clip: mut source, import, body, guess, map, mut files } = input;
     if scene.is_none() {
         ask.overrides.apply(&mut spec.physics, &body.character);
+        ask.overrides.apply_world(&mut spec);
         if ask.engine.is_some() {
             spec.engine.clone_from(&ask.engine);
         }

@@ -3,6 +3,7 @@
 //! In: a [`ConditionsSpec`], the floor the motion stands on, how edits moved time. Out: [`Conditions`], one plain value that every
 //! take carries whole, wherever its motion came from. SI; times are those of the edited motion.
 
+use bodies::Prop;
 use controllers::Gaze;
 use dynamics::conditions::Carrying;
 use dynamics::conditions::Push;
@@ -19,6 +20,10 @@ pub struct Conditions {
     pub physics: Physics,
     /// Turns of the ground, in order of time.
     pub tilts: Vec<Tilt>,
+    /// Boxes and ramps fixed in the world.
+    pub props: Vec<Prop>,
+    /// Whether links touch each other.
+    pub self_collision: bool,
     /// Pushes from outside.
     pub pushes: Vec<Push>,
     /// Masses carried.
@@ -71,6 +76,8 @@ impl Conditions {
         Self {
             physics: Physics { ground, ..spec.physics },
             tilts: spec.tilts.iter().map(tilt).collect(),
+            props: spec.props.clone(),
+            self_collision: spec.self_collision,
             pushes: spec.pushes.iter().map(push).collect(),
             carried: spec.carried.iter().map(carried).collect(),
             gazes: spec.gazes.iter().map(gaze).collect(),

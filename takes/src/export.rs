@@ -4,7 +4,7 @@
 
 use std::path::Path;
 
-use bodies::Character;
+use bodies::{Character, Prop};
 use controllers::antagonist::axis_set_points;
 use dynamics::conditions::GRAVITY;
 use formats::bvh;
@@ -71,6 +71,8 @@ pub fn mjcf(path: &Path, clip: &bvh::ImportOptions, dynamics_only: bool) -> Resu
     let options = MjcfOptions {
         gravity: body.gravity,
         ground: body.ground,
+        props: body.props,
+        self_collision: body.self_collision,
         antagonists,
         pose: Some(body.pose),
         joint_names: body.joint_names,
@@ -95,6 +97,8 @@ struct Body {
     pose: Vec<f64>,
     joint_names: Vec<(usize, String)>,
     left_out: Vec<String>,
+    props: Vec<Prop>,
+    self_collision: bool,
 }
 
 impl Body {
@@ -107,6 +111,8 @@ impl Body {
             joint_names: read.joints.iter().map(|j| (j.link, j.name.clone())).collect(),
             left_out: read.left_out.iter().map(ToString::to_string).collect(),
             character: read.character,
+            props: Vec::new(),
+            self_collision: false,
         })
     }
 
@@ -116,7 +122,16 @@ impl Body {
         // within a micrometre of the height that files are written for
         let height_m = if lowest.abs() < 1e-6 { 0.0 } else { lowest };
         let ground = Some(Floor::level(height_m, FRICTION));
-        Self { character, gravity: GRAVITY, ground, pose, joint_names: Vec::new(), left_out: Vec::new() }
+        Self {
+            character,
+            gravity: GRAVITY,
+            ground,
+            pose,
+            joint_names: Vec::new(),
+            left_out: Vec::new(),
+            props: Vec::new(),
+            self_collision: false,
+        }
     }
 
     fn of_take(path: &Path, clip: &bvh::ImportOptions) -> Result<Self, ExportError> {
@@ -131,6 +146,8 @@ impl Body {
             pose: take.asked.clip.pose(0).to_vec(),
             joint_names: Vec::new(),
             left_out: Vec::new(),
+            props: take.conditions.props.clone(),
+            self_collision: take.conditions.self_collision,
         })
     }
 }

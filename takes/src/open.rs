@@ -66,6 +66,7 @@ fn of_scene_in(mut scene: Scene, ask: &Ask, opening: &Opening) -> Result<Take, T
         return Err(TakeError::Edits { path: scene.source.path().display().to_string() });
     }
     ask.overrides.apply(&mut scene.conditions.physics, &scene.character);
+    ask.overrides.apply_world(&mut scene.conditions);
     if ask.engine.is_some() {
         scene.conditions.engine.clone_from(&ask.engine);
     }

@@ -203,6 +203,8 @@ impl Take {
             // fight the pin over every millimetre
             ground: if held && followed { None } else { p.ground },
             tilts: c.tilts.clone(),
+            props: c.props.clone(),
+            self_collision: c.self_collision,
             pushes: c.pushes.clone(),
             carried: c.carried.clone(),
             past_fall: p.past_fall,

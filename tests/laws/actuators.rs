@@ -99,6 +99,8 @@ fn dampers_only_take() {
             ground: None,
             pinned: false,
             contact: Default::default(),
+            props: Default::default(),
+            self_collision: false,
         };
         let mut world = sim::Rapier::new(&body, settings, &start, &vec![0.0; model.nv()]).unwrap();
         let drives = controller.step(1, &start, &vec![0.0; model.nv()]).unwrap().to_vec();

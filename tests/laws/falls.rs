@@ -83,7 +83,7 @@ fn carrying(link: &str, asked: &[f64], performed: &[f64]) -> bool {
         k_lo: vec![0.0; rows * nv],
         k_hi: vec![0.0; rows * nv],
         kd: vec![0.0; rows * nv],
-        contacts: vec![ContactSample { row: 1, link, point, force, depth: 0.0 }],
+        contacts: vec![ContactSample { row: 1, link, against: Default::default(), point, force, depth: 0.0 }],
         root_wrench: vec![0.0; rows * 6],
         com: vec![0.0; rows * 3],
         momentum: vec![0.0; rows * 6],

@@ -22,6 +22,8 @@ fn lean_after(body: &Arc<bodies::Character>, stiffness: &[f64]) -> f64 {
         ground: None,
         pinned: false,
         contact: Default::default(),
+        props: Default::default(),
+        self_collision: false,
     };
     let mut world = Rapier::new(body, settings, &body.rest, &vec![0.0; model.nv()]).unwrap();
     let mut q = body.rest.clone();

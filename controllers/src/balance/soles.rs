@@ -147,6 +147,7 @@ mod tests {
                 touching.extend(here.map(|p| ContactSample {
                     row: 0,
                     link: foot.limb.end,
+                    against: Default::default(),
                     point: *p,
                     force: Vec3::y(),
                     depth: 0.0,

@@ -7,7 +7,7 @@ use motion::skeleton::vec_at;
 
 use crate::analysis::Contact;
 use crate::analysis::ground::SPACING_M;
-use crate::{Analysis, ContactSample, Model, RootMode, State, Trace};
+use crate::{Against, Analysis, ContactSample, Model, RootMode, State, Trace};
 use bodies::Character;
 
 /// A trace whose motion is the analysed one, asked for by `given` (the clip before it was smoothed, on the
@@ -38,14 +38,28 @@ pub fn trace_of(character: &Arc<Character>, given: &Clip, a: &Analysis) -> Trace
         momentum.extend(&vec_at(&a.angular_momentum, 3 * row));
         for foot in a.feet.iter().filter(|f| f.contact[row] && f.share[row] > 0.0) {
             let (point, force) = (vec_at(&foot.cop, 3 * row), foot.force_at(row));
-            contacts.push(ContactSample { row, link: foot.link, point, force, depth: -foot.height[row] });
+            contacts.push(ContactSample {
+                row,
+                link: foot.link,
+                against: Against::Ground,
+                point,
+                force,
+                depth: -foot.height[row],
+            });
             let sole = soles.iter().filter(|s| s.link == foot.link);
             for (link, at) in sole.flat_map(|s| &s.corners) {
                 let point = state.point(&model, *link, at);
                 let height = point.y - a.ground_m.unwrap_or(0.0);
                 if height < near {
                     let force = motion::Vec3::zeros();
-                    contacts.push(ContactSample { row, link: foot.link, point, force, depth: -height });
+                    contacts.push(ContactSample {
+                        row,
+                        link: foot.link,
+                        against: Against::Ground,
+                        point,
+                        force,
+                        depth: -height,
+                    });
                 }
             }
         }

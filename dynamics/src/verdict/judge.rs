@@ -13,7 +13,7 @@ use crate::conditions::LEAST_GRAVITY;
 use crate::fall::{self, Fall};
 use crate::feet::{self, lowest};
 use crate::spans::{Span, beyond};
-use crate::{Model, RootMode, RootName, Trace};
+use crate::{Against, Model, RootMode, RootName, Trace};
 
 /// Rows that were performed before a fall, that of the fall included.
 pub fn performed_rows(trace: &Trace, fall: &Fall) -> usize {
@@ -29,7 +29,7 @@ pub(super) fn ending(t: &Trace, model: &Model) -> Ending {
         return Ending::Held(RootName::Pinned);
     }
     let last = t.rows().saturating_sub(1);
-    let touches = |c: &&crate::ContactSample| c.force.norm_squared() > 0.0;
+    let touches = |c: &&crate::ContactSample| c.against.is_world() && c.force.norm_squared() > 0.0;
     let touched = t.contacts.iter().rev().find(touches).map_or(0, |c| c.row);
     let airborne = (last - touched) as f64 / t.rate_hz;
     if airborne > AIRBORNE_S || (touched == 0 && last > 0) {
@@ -45,8 +45,12 @@ pub(super) fn ending(t: &Trace, model: &Model) -> Ending {
     }
     if t.character.leg_soles().is_empty() {
         let links = t.character.skeleton.links();
-        let on = t.contacts.iter().filter(|c| c.row == touched && c.force.norm_squared() > 0.0);
-        let mut names: Vec<String> = on.map(|c| links[c.link].name.clone()).collect();
+        let on = t.contacts.iter().filter(|c| c.row == touched && touches(c));
+        let name = |c: &crate::ContactSample| match c.against {
+            Against::Prop(_) => format!("{} on {}", links[c.link].name, t.against(c)),
+            Against::Ground | Against::Link(_) => links[c.link].name.clone(),
+        };
+        let mut names: Vec<String> = on.map(name).collect();
         names.sort_unstable();
         names.dedup();
         return Ending::Rests(names);

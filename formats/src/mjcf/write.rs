@@ -17,12 +17,14 @@
 //!   ctrl × (θ_L − θ) and ctrl × (θ_H − θ), and a third with force −ctrl × θ̇: the controls are k_L, k_H, k_d.
 //!   MuJoCo's actuators of balls follow another law, K (φ* − φ) on rotation-vector components, so balls get
 //!   none.
+//! - Props are boxes of the world. Links that touch each other are contact pairs; nothing else of the body meets itself.
 //! - A cone is a mesh of its two rims (MuJoCo takes the hull); a cylinder where its radii are equal.
 //! - A pose `q` has the file's joint numbers up to their order; velocities of balls and of a free root's
 //!   rotation are along the moving body in MuJoCo: see [`crate::mujoco_layout`].
 
 use std::fmt::Write;
 
+use motion::floor::FRICTION;
 use motion::rotation::exp;
 use motion::skeleton::{quat_at, vec_at};
 use motion::{Floor, Joint, Limits, Quat, Shape, Site, Transform, Vec3};
@@ -30,7 +32,7 @@ use nalgebra::{Matrix3, Unit};
 
 use crate::mujoco_layout::{JointThere, Layout};
 use crate::xml::MAX_DEPTH;
-use bodies::{Body, Character};
+use bodies::{Body, Character, Prop};
 
 /// What an MJCF file holds besides the body.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -41,6 +43,11 @@ pub struct MjcfOptions {
     /// that turns is the top of a slab on a ball joint, named `ground` as its geom is, the last body in the file, too heavy
     /// to be moved by what stands on it.
     pub ground: Option<Floor>,
+    /// Boxes and ramps: geoms of the world named `prop_` and their number. Their friction and that of the ground count
+    /// for what touches them.
+    pub props: Vec<Prop>,
+    /// Whether links touch each other: contact pairs of the geoms that may ([`Character::self_pairs`]).
+    pub self_collision: bool,
     /// Set points (θ_L, θ_H) of hinges (rad) and slides (m), per link; links without get no actuators.
     pub antagonists: Vec<(usize, [f64; 2])>,
     /// Pose in which the file has the body (`nq`); the zero pose if `None`.
@@ -191,7 +198,7 @@ impl Writer<'_> {
         let gravity = numbers(self.options.gravity.as_slice());
         self.line(1, &format!("<option gravity=\"{gravity}\" cone=\"elliptic\"/>"));
         self.line(1, "<default>");
-        let friction = self.options.ground.map_or(1.0, |g| g.friction);
+        let friction = if self.alone() { self.options.ground.map_or(1.0, |g| g.friction) } else { FRICTION };
         // body geoms (bit 1) meet the ground (bit 0) and not each other
         let f = number(friction);
         self.line(
@@ -211,23 +218,71 @@ impl Writer<'_> {
                 numbers(&[r.w, r.i, r.j, r.k])
             };
             if !ground.turns {
+                let own = self.own_friction(ground.friction);
                 self.line(
                     2,
                     &format!(
-                        "<geom name=\"ground\" type=\"plane\" size=\"20 20 1\" pos=\"{at}\" quat=\"{turn}\" contype=\"1\" conaffinity=\"2\" rgba=\"0.8 0.8 0.8 1\"/>"
+                        "<geom name=\"ground\" type=\"plane\" size=\"20 20 1\" pos=\"{at}\" quat=\"{turn}\" contype=\"1\" conaffinity=\"2\"{own} rgba=\"0.8 0.8 0.8 1\"/>"
                     ),
                 );
             }
+        }
+        for (i, prop) in self.options.props.iter().enumerate() {
+            let (size, own) = (numbers(prop.half.as_slice()), self.own_friction(prop.friction));
+            let place = placement(&prop.place);
+            self.line(
+                2,
+                &format!(
+                    "<geom name=\"prop_{i}\" type=\"box\" size=\"{size}\"{place} contype=\"1\" conaffinity=\"2\"{own} rgba=\"0.7 0.65 0.6 1\"/>"
+                ),
+            );
         }
         self.body(0, 2, &Transform::identity(), true)?;
         if let Some(ground) = self.options.ground.filter(|g| g.turns) {
             self.slab(&ground);
         }
         self.line(1, "</worldbody>");
+        self.pairs();
         self.actuators();
         self.key();
         self.line(0, "</mujoco>");
         Ok(())
+    }
+
+    /// Whether the ground is all that the body may touch.
+    fn alone(&self) -> bool {
+        self.options.props.is_empty() && !self.options.self_collision
+    }
+
+    /// Attributes of a geom of the world whose friction counts for what touches it, where the body has one of its own.
+    fn own_friction(&self, friction: f64) -> String {
+        if self.alone() {
+            return String::new();
+        }
+        format!(" friction=\"{} 0 0\" priority=\"1\"", number(friction))
+    }
+
+    /// Links that touch each other.
+    fn pairs(&mut self) {
+        if !self.options.self_collision {
+            return;
+        }
+        let (character, f) = (self.character, number(FRICTION));
+        let all = character.capsules();
+        let geom = |c: usize| {
+            format!("{}_{}", escape(&character.skeleton.links()[all[c].link].name), all[c].shape)
+        };
+        self.line(1, "<contact>");
+        for [i, j] in character.self_pairs() {
+            let (one, other) = (geom(i), geom(j));
+            self.line(
+                2,
+                &format!(
+                    "<pair geom1=\"{one}\" geom2=\"{other}\" condim=\"3\" friction=\"{f} {f} 0 0 0\"/>"
+                ),
+            );
+        }
+        self.line(1, "</contact>");
     }
 
     /// Ground that can turn, level in its zero pose.
@@ -236,9 +291,12 @@ impl Writer<'_> {
         self.line(2, &format!("<body name=\"ground\" pos=\"{at}\">"));
         self.line(3, "<joint name=\"ground\" type=\"ball\" armature=\"1e9\"/>");
         self.line(3, "<inertial pos=\"0 0 0\" mass=\"1\" diaginertia=\"1 1 1\"/>");
+        let own = self.own_friction(ground.friction);
         self.line(
             3,
-            "<geom name=\"ground\" type=\"box\" size=\"5 0.5 5\" pos=\"0 -0.5 0\" contype=\"1\" conaffinity=\"2\" rgba=\"0.8 0.8 0.8 1\"/>",
+            &format!(
+                "<geom name=\"ground\" type=\"box\" size=\"5 0.5 5\" pos=\"0 -0.5 0\" contype=\"1\" conaffinity=\"2\"{own} rgba=\"0.8 0.8 0.8 1\"/>"
+            ),
         );
         self.line(2, "</body>");
     }

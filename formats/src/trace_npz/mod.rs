@@ -28,6 +28,9 @@
 //! | `contact_row`, `contact_link` | c | indices |
 //! | `contact_point`, `contact_force` | c × 3 | m, N |
 //! | `contact_depth` | c | m |
+//! | `contact_against` | c | −1 the ground, −2 − p the prop p, else the other link; absent where all are of the ground |
+//! | `prop_name`, `prop_friction` | p | text; Coulomb's coefficient; these arrays are absent without props |
+//! | `prop_half`, `prop_place` | p × 3, p × 7 | half edges, m; centre (m), quaternion `w x y z`: `world_from_prop` |
 //! | `link_name`, `joint_type` | L | text |
 //! | `link_parent` | L | −1 for the root |
 //! | `link_mass`, `link_com_local`, `link_inertia` | L, L × 3, L × 9 | kg; m, kg·m², link frame |

@@ -10,8 +10,8 @@ use std::sync::Arc;
 
 use motion::file::read_within;
 use motion::names::Word;
-use motion::{Limb, Limits, Link, Site, Skeleton, SkeletonError, Transform, Vec3};
-use nalgebra::{Matrix3, Translation3};
+use motion::{Limb, Limits, Link, Quat, Site, Skeleton, SkeletonError, Transform, Vec3};
+use nalgebra::{Matrix3, Quaternion, Translation3};
 use thiserror::Error;
 use zip::ZipArchive;
 use zip::result::ZipError;
@@ -19,8 +19,8 @@ use zip::result::ZipError;
 use super::body;
 use super::npy::{Fault, Npy};
 use crate::limits::TRACE_BYTES;
-use bodies::{Body, Carried, Character, CharacterError};
-use dynamics::{ContactSample, Disturbed, Handed, RootMode, RootName, Trace};
+use bodies::{Body, Carried, Character, CharacterError, Prop};
+use dynamics::{Against, ContactSample, Disturbed, Handed, RootMode, RootName, Trace};
 
 /// Why a file is no trace.
 #[derive(Debug, Error)]
@@ -152,8 +152,8 @@ fn arrays<R: Read + Seek>(npz: &mut Arrays<R>) -> Result<Trace, TraceFileError> 
         trace.colors = colors(&npz.integers("link_color", &[links, 3])?)?;
     }
     trace.root = root(npz)?;
-    trace.contacts = contacts(npz, rows, links)?;
     trace.disturbed = disturbed(npz, rows, links)?;
+    trace.contacts = contacts(npz, (rows, links, trace.disturbed.props.len()))?;
     Ok(trace)
 }
 
@@ -214,6 +214,9 @@ fn disturbed<R: Read + Seek>(
     if npz.has("root_correction") {
         out.root_correction = npz.reals("root_correction", &[rows, 7])?;
     }
+    if npz.has("prop_name") {
+        out.props = props(npz)?;
+    }
     if !npz.has("carried_link") {
         return Ok(out);
     }
@@ -255,10 +258,34 @@ fn disturbed<R: Read + Seek>(
     Ok(out)
 }
 
+fn props<R: Read + Seek>(npz: &mut Arrays<R>) -> Result<Vec<Prop>, TraceFileError> {
+    let names = npz.list("prop_name")?;
+    let n = names.len();
+    let half = npz.vectors("prop_half", &[n, 3])?;
+    let place = npz.reals("prop_place", &[n, 7])?;
+    let friction = npz.reals("prop_friction", &[n])?;
+    let one = |(i, name): (usize, String)| {
+        if !half[i].iter().all(|x| x.is_finite() && *x > 0.0) {
+            return Err(value("prop_half", i, format!("{:?}", half[i].as_slice()), "positive numbers"));
+        }
+        if !(friction[i] >= 0.0 && friction[i].is_finite()) {
+            return Err(value("prop_friction", i, friction[i].to_string(), "zero or more"));
+        }
+        let p = &place[7 * i..7 * i + 7];
+        let turn = Quaternion::new(p[3], p[4], p[5], p[6]);
+        if !p.iter().all(|x| x.is_finite()) || (turn.norm() - 1.0).abs() > 1e-9 {
+            return Err(value("prop_place", i, format!("{p:?}"), "finite numbers, a quaternion of length 1"));
+        }
+        let at = Vec3::new(p[0], p[1], p[2]);
+        let place = Transform::from_parts(at.into(), Quat::new_unchecked(turn));
+        Ok(Prop { name, half: half[i], place, friction: friction[i] })
+    };
+    names.into_iter().enumerate().map(one).collect()
+}
+
 fn contacts<R: Read + Seek>(
     npz: &mut Arrays<R>,
-    rows: usize,
-    links: usize,
+    (rows, links, props): (usize, usize, usize),
 ) -> Result<Vec<ContactSample>, TraceFileError> {
     let (shape, row) = npz.array("contact_row")?;
     let n = shape.first().copied().unwrap_or(0);
@@ -273,9 +300,20 @@ fn contacts<R: Read + Seek>(
     let point = npz.vectors("contact_point", &[n, 3])?;
     let force = npz.vectors("contact_force", &[n, 3])?;
     let depth = npz.reals("contact_depth", &[n])?;
+    let codes = if npz.has("contact_against") { npz.integers("contact_against", &[n])? } else { vec![-1; n] };
+    let against = |(i, code): (usize, &i64)| match usize::try_from(*code) {
+        Ok(other) if other < links => Ok(Against::Link(other)),
+        Err(_) if *code == -1 => Ok(Against::Ground),
+        Err(_) if code.checked_add(2).and_then(i64::checked_neg).is_some_and(|p| (p as usize) < props) => {
+            Ok(Against::Prop((-2 - code) as usize))
+        }
+        _ => Err(value("contact_against", i, code.to_string(), "-1, a link, -2 - the number of a prop")),
+    };
+    let against = codes.iter().enumerate().map(against).collect::<Result<Vec<_>, _>>()?;
     let sample = |i: usize| ContactSample {
         row: row[i],
         link: link[i],
+        against: against[i],
         point: point[i],
         force: force[i],
         depth: depth[i],

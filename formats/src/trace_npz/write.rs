@@ -11,7 +11,7 @@ use zip::{CompressionMethod, DateTime, ZipWriter};
 
 use super::body::{self, joint_type};
 use bodies::Character;
-use dynamics::{Disturbed, RootMode, Trace};
+use dynamics::{Against, Disturbed, RootMode, Trace};
 
 /// Array and unit, in the order of the table written.
 const UNITS: &[(&str, &str)] = &[
@@ -40,6 +40,8 @@ const UNITS: &[(&str, &str)] = &[
     ("carried_at", "m"),
     ("carried_inertia", "kg·m^2"),
     ("carried_com", "m"),
+    ("prop_half", "m"),
+    ("prop_place", "m, quaternion w x y z"),
     ("contact_point", "m"),
     ("contact_force", "N"),
     ("contact_depth", "m"),
@@ -104,6 +106,14 @@ pub fn write<W: Write + Seek>(trace: &Trace, out: W) -> io::Result<()> {
     npz.table("contact_point", 3, &flat(|s| s.point))?;
     npz.table("contact_force", 3, &flat(|s| s.force))?;
     npz.numbers("contact_depth", &[n], &c.iter().map(|s| s.depth).collect::<Vec<_>>())?;
+    if c.iter().any(|s| s.against != Against::Ground) {
+        let against = |s: &dynamics::ContactSample| match s.against {
+            Against::Ground => -1,
+            Against::Prop(i) => -2 - i as i64,
+            Against::Link(i) => i as i64,
+        };
+        npz.numbers("contact_against", &[n], &c.iter().map(against).collect::<Vec<_>>())?;
+    }
 
     let n = count as u64;
     let bodies = &trace.character.bodies;
@@ -191,6 +201,17 @@ fn write_disturbed<W: Write + Seek>(npz: &mut Arrays<W>, d: &Disturbed) -> io::R
     }
     if !d.root_correction.is_empty() {
         npz.table("root_correction", 7, &d.root_correction)?;
+    }
+    if !d.props.is_empty() {
+        let n = d.props.len() as u64;
+        npz.text("prop_name", &[n], &d.props.iter().map(|p| p.name.as_str()).collect::<Vec<_>>())?;
+        npz.table("prop_half", 3, &d.props.iter().flat_map(|p| <[f64; 3]>::from(p.half)).collect::<Vec<_>>())?;
+        let place = |p: &bodies::Prop| {
+            let (at, r) = (p.place.translation.vector, p.place.rotation);
+            [at.x, at.y, at.z, r.w, r.i, r.j, r.k]
+        };
+        npz.table("prop_place", 7, &d.props.iter().flat_map(place).collect::<Vec<_>>())?;
+        npz.numbers("prop_friction", &[n], &d.props.iter().map(|p| p.friction).collect::<Vec<_>>())?;
     }
     if d.carried.is_empty() {
         return Ok(());

@@ -340,6 +340,7 @@ pub fn trace(character: &Arc<Character>, target: &Clip) -> Trace {
             for (i, &c) in character.contacts.iter().enumerate() {
                 let link = skeleton.sites()[c].link;
                 t.contacts.push(ContactSample {
+                    against: Default::default(),
                     row,
                     link,
                     point: soles[i],

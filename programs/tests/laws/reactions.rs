@@ -41,6 +41,7 @@ impl Stage {
         let impedances = vec![Impedance { stiffness: STIFFNESS, damping: 4.0 }; model.bodies.len()];
         let foot = model.skeleton.link("ankle_l").unwrap();
         let contacts = vec![ContactSample {
+            against: Default::default(),
             row: 0,
             link: foot,
             point: Vec3::zeros(),

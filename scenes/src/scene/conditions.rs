@@ -8,6 +8,7 @@ use dynamics::conditions::RootMode;
 use motion::{Floor, Vec3};
 
 use super::Check;
+use super::props::props;
 use crate::SceneError;
 use crate::conditions::{ConditionsSpec, Physics};
 use crate::overrides::{RATES, SUBSTEPS, TENSIONS, set_fidelity};
@@ -26,6 +27,8 @@ impl Check<'_> {
         Ok(ConditionsSpec {
             height_given: matches!(ron.world.ground.0, GroundRon::Plane(PlaneRon { height_m: Some(_), .. })),
             tilts: self.tilts(&ron.world.ground.0, physics.root)?,
+            props: props(self.source, "world.props", &ron.world.props)?,
+            self_collision: ron.world.self_collision,
             pushes: self.pushes(&ron.pushes)?,
             carried: self.carried(&ron.carried)?,
             gazes: self.gazes(&ron.reactive)?,

@@ -14,7 +14,7 @@ use serde::de::{self, Deserializer, SeqAccess, VariantAccess, Visitor};
 
 use super::edits::ArgumentRon;
 use super::word::{self, Named, NamedWith, Variants};
-use crate::conditions::{Clock, GroundName};
+use crate::conditions::{Clock, GroundName, PropName};
 
 /// Gravity and ground.
 #[derive(Clone, Debug, Deserialize)]
@@ -24,6 +24,10 @@ pub struct WorldRon {
     pub gravity_m_s2: (f64, f64, f64),
     /// The ground.
     pub ground: NamedWith<GroundRon>,
+    /// Boxes and ramps fixed in the world.
+    pub props: Vec<NamedWith<PropRon>>,
+    /// Whether links touch each other.
+    pub self_collision: bool,
 }
 
 impl Default for WorldRon {
@@ -37,6 +41,79 @@ impl Default for WorldRon {
                 towards_deg: 0.0,
                 tilts: Vec::new(),
             })),
+            props: Vec::new(),
+            self_collision: false,
+        }
+    }
+}
+
+/// Something fixed in the world.
+#[derive(Clone, Debug)]
+pub enum PropRon {
+    /// A box that stands upright.
+    Box(BoxRon),
+    /// A plank that rises.
+    Ramp(RampRon),
+}
+
+/// A box that stands upright.
+#[derive(Clone, Debug, Deserialize)]
+#[serde(deny_unknown_fields, rename = "Box")]
+pub struct BoxRon {
+    /// Its name in contacts and verdicts; by default `box` and its number.
+    pub name: Option<String>,
+    /// Middle of its lower face, m.
+    pub at_m: (f64, f64, f64),
+    /// Edges along x, y (up) and z, m.
+    pub size_m: (f64, f64, f64),
+    /// Turn about the vertical, degrees.
+    #[serde(default)]
+    pub turn_deg: f64,
+    /// Coulomb friction coefficient.
+    #[serde(default = "friction")]
+    pub friction: f64,
+}
+
+/// A plank that rises.
+#[derive(Clone, Debug, Deserialize)]
+#[serde(deny_unknown_fields, rename = "Ramp")]
+pub struct RampRon {
+    /// Its name in contacts and verdicts; by default `ramp` and its number.
+    pub name: Option<String>,
+    /// Middle of the lower edge of its upper face, m.
+    pub at_m: (f64, f64, f64),
+    /// Length along the slope, m.
+    pub length_m: f64,
+    /// Width, m.
+    pub width_m: f64,
+    /// Thickness of the plank, m.
+    #[serde(default = "plank")]
+    pub height_m: f64,
+    /// How steep it is, degrees.
+    pub rise_deg: f64,
+    /// Where it rises to: 0 forward, 90 the character's left, degrees.
+    #[serde(default)]
+    pub towards_deg: f64,
+    /// Coulomb friction coefficient.
+    #[serde(default = "friction")]
+    pub friction: f64,
+}
+
+fn friction() -> f64 {
+    FRICTION
+}
+
+fn plank() -> f64 {
+    bodies::prop::PLANK_M
+}
+
+impl Variants for PropRon {
+    type Name = PropName;
+
+    fn variant<'de, A: VariantAccess<'de>>(name: PropName, data: A) -> Result<Self, A::Error> {
+        match name {
+            PropName::Box => word::fields(data).map(Self::Box),
+            PropName::Ramp => word::fields(data).map(Self::Ramp),
         }
     }
 }

@@ -1,7 +1,7 @@
-//! Contacts: the points that touch the ground in a substep, and what is asked of each.
+//! Contacts: what is asked of a point that touches.
 //!
-//! In: poses, the ground and how it turns, the forces of the last substep. Out: a [`Contact`] per point near the ground, with
-//! its rows in the twist of its body.
+//! In: where a point touches, how deep, against what. Out: a [`Contact`] with its rows in the twist of its slot: of its body, or of its body
+//! against another one.
 //!
 //! A point at depth d (m, positive inside) has normal velocity u_n and impulse λ_n with `0 ≤ λ_n ⊥ u_n + b + γ λ_n ≥ 0`:
 //!
@@ -13,13 +13,8 @@
 //!
 //! The last is an implicit spring and damper, `λ_n = dt (k (d − dt u_n) − c u_n)`. Friction is Coulomb's on the disc, `|λ_t| ≤ μ λ_n`.
 
-use dynamics::State;
 use motion::{Floor, Vec3};
 
-use super::shapes::{Group, Point};
-
-/// Points nearer to the ground than this take part, m.
-const MARGIN: f64 = 0.02;
 /// Depth that is left alone, m: a point at rest stays in touch.
 const SLOP: f64 = 2e-5;
 /// Fraction of the depth that is taken back per substep.
@@ -43,8 +38,12 @@ pub(super) enum Yield {
 pub(super) struct Contact {
     /// Index of the point.
     pub point: usize,
-    /// Its body, as an index into the touching bodies.
+    /// What moves it, as an index into the slots.
     pub slot: usize,
+    /// Coulomb's coefficient.
+    pub friction: f64,
+    /// Whether both sides are of the body: its impulse is no outside impulse.
+    pub inner: bool,
     /// Rows from the body's twist (velocity of its origin, angular velocity; world) to normal and two tangents.
     pub rows: [[f64; 6]; 3],
     /// Velocity of the ground along the same, m/s; in the normal entry less b.
@@ -85,66 +84,46 @@ impl Ground {
         let turn = floor.turn();
         Self { floor, rate, axes: [up, turn * Vec3::x(), turn * Vec3::z()] }
     }
-
-    /// An impulse along its axes, world.
-    pub fn world(&self, impulse: &[f64; 3]) -> Vec3 {
-        self.axes[0] * impulse[0] + self.axes[1] * impulse[1] + self.axes[2] * impulse[2]
-    }
 }
 
-/// Finds the contacts of a substep; forces of points that are not among them are forgotten.
-pub(super) fn find(
-    (points, groups): (&[Point], &[Group]),
-    state: &State,
-    ground: &Ground,
-    (dt, yields): (f64, Yield),
-    forces: &mut [[f64; 3]],
-    (contacts, touching): (&mut Vec<Contact>, &mut Vec<usize>),
-) {
-    contacts.clear();
-    touching.clear();
-    let (up, pivot) = (ground.floor.up, ground.floor.pivot());
-    // a spring acts where it is pressed, not before
-    let margin = if yields == Yield::Stiff { MARGIN } else { 0.0 };
-    for group in groups {
-        let s = &state.bodies[group.body];
-        let height = (s.origin() - pivot).dot(&up);
-        if height > group.reach + margin {
-            forces[group.from..group.to].fill([0.0; 3]);
-            continue;
-        }
-        let slot = touching.len();
-        let found = contacts.len();
-        for point in group.from..group.to {
-            let p = &points[point];
-            let arm = s.rotation * p.at - up * p.radius;
-            let depth = -(height + arm.dot(&up));
-            if depth < -margin {
-                forces[point] = [0.0; 3];
-                continue;
-            }
-            let at = s.origin() + arm;
-            let moving = ground.rate.cross(&(at - pivot));
-            let mut c = Contact { point, slot, depth, at, ..Contact::default() };
-            for (k, axis) in ground.axes.iter().enumerate() {
-                let m = arm.cross(axis);
-                c.rows[k] = [axis.x, axis.y, axis.z, m.x, m.y, m.z];
-                c.ground[k] = moving.dot(axis);
-            }
-            if yields == Yield::Stiff {
-                let inside = BETA * (depth - SLOP).max(0.0) / dt;
-                c.out = inside.min(PUSH_OUT);
-                c.ground[0] += if depth > 0.0 { c.out } else { depth / dt };
-            }
-            contacts.push(c);
-        }
-        if contacts.len() > found {
-            touching.push(group.body);
-        }
-    }
+/// Normal and two tangents that turn with it as little as possible.
+pub(super) fn axes(normal: Vec3) -> [Vec3; 3] {
+    let turn = motion::rotation::between(&Vec3::y(), &normal);
+    [normal, turn * Vec3::x(), turn * Vec3::z()]
 }
 
 impl Contact {
+    /// A point at depth `depth` (m) at `at` on a body whose origin is `arm` behind it, both world, m.
+    ///
+    /// * `moving`: velocity of what it touches, m/s
+    pub fn new(
+        (point, slot): (usize, usize),
+        (at, arm, depth): (Vec3, Vec3, f64),
+        axes: &[Vec3; 3],
+        moving: &Vec3,
+        friction: f64,
+        (dt, yields): (f64, Yield),
+    ) -> Self {
+        let mut c = Self { point, slot, depth, at, friction, ..Self::default() };
+        for (k, axis) in axes.iter().enumerate() {
+            let m = arm.cross(axis);
+            c.rows[k] = [axis.x, axis.y, axis.z, m.x, m.y, m.z];
+            c.ground[k] = moving.dot(axis);
+        }
+        if yields == Yield::Stiff {
+            let inside = BETA * (depth - SLOP).max(0.0) / dt;
+            c.out = inside.min(PUSH_OUT);
+            c.ground[0] += if depth > 0.0 { c.out } else { depth / dt };
+        }
+        c
+    }
+
+    /// An impulse along its axes, world.
+    pub fn world(&self, impulse: &[f64; 3]) -> Vec3 {
+        let axis = |k: usize| Vec3::new(self.rows[k][0], self.rows[k][1], self.rows[k][2]);
+        axis(0) * impulse[0] + axis(1) * impulse[1] + axis(2) * impulse[2]
+    }
+
     /// What depends on how the body answers to impulses: apparent masses, b and γ of springs.
     ///
     /// * `response`: twist of the body per unit wrench on it

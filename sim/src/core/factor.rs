@@ -192,6 +192,34 @@ impl Factor {
         }
         y[..from.min(chain.len())].fill([0.0; 6]);
     }
+    /// The part of [`solve_chain`](Self::solve_chain) that a second branch has of its own: six columns along the end `rest` of a chain
+    /// whose beginning is that of `shared`, which it changes.
+    pub fn solve_branch(
+        &self,
+        tree: &Tree,
+        chain: &[usize],
+        shared: &mut [[f64; 6]],
+        rest: &mut [[f64; 6]],
+        from: usize,
+    ) {
+        let begin = chain.len() - rest.len();
+        for p in (begin.max(from)..chain.len()).rev() {
+            let k = chain[p];
+            let row = &self.rows[tree.at(k)..][..p];
+            let (inner, own) = rest.split_at_mut(p - begin);
+            let own = &mut own[0];
+            for x in own.iter_mut() {
+                *x *= self.inverse[k];
+            }
+            let targets =
+                shared[..begin].iter_mut().zip(row).skip(from).chain(inner.iter_mut().zip(&row[begin..]));
+            for (target, r) in targets {
+                for (t, x) in target.iter_mut().zip(own.iter()) {
+                    *t -= r * x;
+                }
+            }
+        }
+    }
 }
 
 #[inline(always)]

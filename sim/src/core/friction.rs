@@ -6,13 +6,13 @@ use super::contact::Contact;
 use super::response::Twist;
 
 /// The natural map's residual of impulses and the twists they make, N·s.
-pub(super) fn residual(contacts: &[Contact], impulses: &[[f64; 3]], twists: &[Twist], friction: f64) -> f64 {
+pub(super) fn residual(contacts: &[Contact], impulses: &[[f64; 3]], twists: &[Twist]) -> f64 {
     let mut sum = 0.0;
     for (c, l) in contacts.iter().zip(impulses) {
         let u = c.velocity(&twists[c.slot]);
         let slip = length(u[1], u[2]);
-        let u_n = u[0] + c.yielding * l[0] + friction * slip;
-        let onto = cone([l[0] - c.mass * u_n, l[1] - c.mass * u[1], l[2] - c.mass * u[2]], friction);
+        let u_n = u[0] + c.yielding * l[0] + c.friction * slip;
+        let onto = cone([l[0] - c.mass * u_n, l[1] - c.mass * u[1], l[2] - c.mass * u[2]], c.friction);
         sum += (0..3).map(|k| (l[k] - onto[k]) * (l[k] - onto[k])).sum::<f64>();
     }
     sum.sqrt()

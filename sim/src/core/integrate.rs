@@ -11,7 +11,7 @@ use motion::rotation::exp;
 use motion::{Floor, Vec3};
 
 use super::Core;
-use super::contact::{self, Ground};
+use super::contact::Ground;
 use super::momentum::Whole;
 use crate::Impulse;
 
@@ -100,7 +100,7 @@ impl Core {
                 break;
             }
             let now = Whole::of(&self.model, &self.state);
-            let missing = self.missing(&start, &outside, &now, ground);
+            let missing = self.missing(&start, &outside, &now);
             let (shift, spin) = now.motion(self.model.mass, &missing.moved(&(now.com - start.com)));
             let slip = self.slip(&now.com, &shift, &spin);
             if slip > FELT && (repeat == REPEATS || slip > CONTRACTION * least) && may_halve {
@@ -123,31 +123,30 @@ impl Core {
             }
             self.settle(&now, &shift, &spin);
             self.account(&(fed + missing), &start, &now);
-            self.finish_contacts(dt, ground);
+            self.finish_contacts(dt);
             return Ok(true);
         }
         for (rest, v) in self.rest.iter_mut().zip(&self.v) {
             *rest -= dt * v;
         }
-        self.finish_contacts(dt, ground);
+        self.finish_contacts(dt);
         Ok(true)
     }
 
     fn find_contacts(&mut self, dt: f64, ground: Option<&Ground>, held: usize) {
-        let Some(ground) = ground else { return };
-        contact::find(
-            (&self.points, &self.groups),
+        self.finder.find(
+            &self.shapes,
             &self.state,
             ground,
             (dt, self.yields),
             &mut self.forces,
-            (&mut self.contacts, &mut self.touching),
+            (&mut self.contacts, &mut self.slots),
         );
         if self.contacts.is_empty() {
             return;
         }
         let body = (&self.model, &self.tree, &self.state);
-        self.response.prepare(body, &self.factor, &self.touching, &self.free, held);
+        self.response.prepare(body, &self.factor, &self.slots, &self.free, held);
         let n = self.response.bodies();
         self.solver.impulses.clear();
         for c in &mut self.contacts {
@@ -159,11 +158,13 @@ impl Core {
     /// Velocities with contacts, from those without.
     fn solve_contacts(&mut self, dt: f64, held: usize) {
         self.v.copy_from_slice(&self.free);
-        let (Some(floor), false) = (self.settings.ground, self.contacts.is_empty()) else { return };
+        if self.contacts.is_empty() {
+            return;
+        }
         let weight = self.weight() * dt;
-        let effort = self.solver.solve(&self.contacts, &self.response, floor.friction, TARGET * weight);
+        let effort = self.solver.solve(&self.contacts, &self.response, TARGET * weight);
         self.ledger.solved(effort.sweeps, effort.steps, effort.residual / weight);
-        self.response.gather(&self.tree, &self.touching, &self.solver.wrenches, &mut self.change);
+        self.response.gather(&self.solver.wrenches, &mut self.change);
         self.factor.solve_outward(&self.tree, &mut self.change, held);
         for (v, change) in self.v.iter_mut().zip(&self.change).skip(held) {
             *v += change;
@@ -186,13 +187,11 @@ impl Core {
     }
 
     /// What the outside impulses make of the momentum at the start, less the momentum now; about the centre of mass at the start.
-    fn missing(&self, start: &Whole, outside: &Impulse, now: &Whole, ground: Option<&Ground>) -> Impulse {
+    fn missing(&self, start: &Whole, outside: &Impulse, now: &Whole) -> Impulse {
         let mut sum = *outside;
-        if let Some(ground) = ground {
-            for (c, impulse) in self.contacts.iter().zip(&self.solver.impulses) {
-                let linear = ground.world(impulse);
-                sum += Impulse { linear, angular: (c.at - start.com).cross(&linear) };
-            }
+        for (c, impulse) in self.contacts.iter().zip(&self.solver.impulses).filter(|(c, _)| !c.inner) {
+            let linear = c.world(impulse);
+            sum += Impulse { linear, angular: (c.at - start.com).cross(&linear) };
         }
         Impulse {
             linear: start.linear + sum.linear - now.linear,
@@ -200,9 +199,9 @@ impl Core {
         }
     }
 
-    /// Largest velocity of a loaded contact when the body moves as one, m/s.
+    /// Largest velocity of a loaded contact with the world when the body moves as one, m/s.
     fn slip(&self, com: &Vec3, shift: &Vec3, spin: &Vec3) -> f64 {
-        let loaded = self.contacts.iter().zip(&self.solver.impulses).filter(|(_, l)| l[0] > 0.0);
+        let loaded = self.contacts.iter().zip(&self.solver.impulses).filter(|(c, l)| !c.inner && l[0] > 0.0);
         loaded.map(|(c, _)| (shift + spin.cross(&(c.at - com))).norm_squared()).fold(0.0, f64::max).sqrt()
     }
 
@@ -220,7 +219,7 @@ impl Core {
         self.change[3..6].copy_from_slice(angular.as_slice());
         self.factor.solve_inward(&self.tree, &mut self.change, 0);
         if !self.contacts.is_empty() {
-            self.response.add_free(&self.tree, &self.touching, &self.change);
+            self.response.add_free(&self.change);
         }
         self.factor.solve_outward(&self.tree, &mut self.change, 0);
         for (free, change) in self.free.iter_mut().zip(&self.change) {
@@ -251,13 +250,12 @@ impl Core {
     }
 
     /// Keeps the impulses for the next substep and for [`contacts`](crate::Engine::contacts).
-    fn finish_contacts(&mut self, dt: f64, ground: Option<&Ground>) {
+    fn finish_contacts(&mut self, dt: f64) {
         self.ledger.substeps += 1;
-        let (Some(ground), false) = (ground, self.contacts.is_empty()) else { return };
         for (c, impulse) in self.contacts.iter().zip(&self.solver.impulses) {
             self.forces[c.point] = impulse.map(|x| x / dt);
             let touch = &mut self.touches[c.point];
-            touch.impulse += ground.world(impulse);
+            touch.impulse += c.world(impulse);
             touch.place += c.at * impulse[0];
             touch.weight += impulse[0];
             touch.depth = c.depth;

@@ -7,8 +7,9 @@
 //! |---|---|
 //! | `tree` | which degrees of freedom carry which, packed rows |
 //! | `factor` | `M + dt D + dt² K = Lᵀ L` on the tree |
-//! | `shapes` | shapes as points |
-//! | `contact` | points near the ground and their laws |
+//! | `shapes` | what may touch: points, solids, pairs |
+//! | `find` | what touches what |
+//! | `contact` | the law of a point that touches |
 //! | `friction` | Coulomb's law: projections, the residual |
 //! | `response` | how the touching bodies answer to impulses |
 //! | `solve` | contact impulses: sweeps |
@@ -25,6 +26,7 @@
 
 mod contact;
 mod factor;
+mod find;
 mod friction;
 mod integrate;
 mod momentum;
@@ -46,8 +48,9 @@ use nalgebra::DMatrix;
 use crate::{ContactLaw, Engine, EngineEntry, EngineError, EngineSettings, Ledger};
 use contact::{Contact, Yield};
 use factor::Factor;
+use find::{Finder, Slot};
 use response::Response;
-use shapes::{Group, Point};
+use shapes::Shapes;
 use solve::Solver;
 use tree::Tree;
 
@@ -65,7 +68,7 @@ pub fn engine() -> EngineEntry {
     })
 }
 
-/// What the ground did to a point over a control step.
+/// What happened to a place of contact over a control step.
 #[derive(Clone, Copy, Debug, Default)]
 struct Touch {
     /// N·s, world.
@@ -85,8 +88,7 @@ pub struct Core {
     /// What it was built for; the ground as it lies now.
     pub settings: EngineSettings,
     tree: Tree,
-    points: Vec<Point>,
-    groups: Vec<Group>,
+    shapes: Shapes,
     yields: Yield,
 
     // the state: what a snapshot holds
@@ -121,7 +123,8 @@ pub struct Core {
     before: Vec<f64>,
     before_v: Vec<f64>,
     contacts: Vec<Contact>,
-    touching: Vec<usize>,
+    slots: Vec<Slot>,
+    finder: Finder,
     response: Response,
     solver: Solver,
     touches: Vec<Touch>,
@@ -142,10 +145,10 @@ impl Core {
         let model = Model::new(character, settings.gravity);
         let (n, bodies) = (model.nv(), model.bodies.len());
         let tree = Tree::new(&model);
-        let (points, groups) = match settings.ground {
-            Some(_) => shapes::points(character, &model),
-            None => (Vec::new(), Vec::new()),
-        };
+        let shapes = Shapes::new(character, &model, &settings);
+        let (places, slots) = (shapes.places(), shapes.groups.len() + shapes.pairs.len());
+        // no more than a few of all places touch at once
+        let room = shapes.points.len() + (places - shapes.points.len()).min(200);
         let yields = match settings.contact {
             ContactLaw::Stiff => Yield::Stiff,
             ContactLaw::Spring { natural_frequency_hz, damping_ratio } => {
@@ -156,12 +159,13 @@ impl Core {
             }
         };
         let mut core = Self {
-            response: Response::new(&tree, &groups),
-            solver: Solver::new(points.len(), groups.len()),
-            forces: vec![[0.0; 3]; points.len()],
-            touches: vec![Touch::default(); points.len()],
-            contacts: Vec::with_capacity(points.len()),
-            touching: Vec::with_capacity(groups.len()),
+            response: Response::new(&tree, &shapes, n),
+            solver: Solver::new(room, slots),
+            forces: vec![[0.0; 3]; places],
+            touches: vec![Touch::default(); places],
+            contacts: Vec::with_capacity(room),
+            slots: Vec::with_capacity(slots),
+            finder: Finder::default(),
             state: State::new(&model),
             mass: DMatrix::zeros(n, n),
             factor: Factor::new(&tree, n),
@@ -185,8 +189,7 @@ impl Core {
             model,
             settings,
             tree,
-            points,
-            groups,
+            shapes,
             yields,
         };
         core.state.update(&core.model, &core.q, &core.v);

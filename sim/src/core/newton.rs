@@ -67,7 +67,7 @@ impl Newton {
     /// Takes a proximal step from impulses and their twists; returns the Newton steps it took.
     pub fn step(
         &mut self,
-        (contacts, response, friction): (&[Contact], &Response, f64),
+        (contacts, response): (&[Contact], &Response),
         (sigma, tolerance): (f64, f64),
         twists: &[Twist],
         impulses: &mut [[f64; 3]],
@@ -76,7 +76,7 @@ impl Newton {
         self.start.extend_from_slice(impulses);
         self.twists.clear();
         self.twists.extend_from_slice(twists);
-        let problem = (contacts, response, friction);
+        let problem = (contacts, response);
         let mut error = self.error(problem, sigma);
         let goal = CONVERGED * tolerance / sigma;
         for step in 0..STEPS {
@@ -107,7 +107,7 @@ impl Newton {
             let stalls = best.0 > 0.1 * error && error <= 100.0 * goal;
             error = best.0;
             impulses.copy_from_slice(&self.impulses);
-            if stalls || residual(contacts, impulses, &self.answer, friction) <= tolerance {
+            if stalls || residual(contacts, impulses, &self.answer) <= tolerance {
                 return step + 1;
             }
         }
@@ -115,14 +115,14 @@ impl Newton {
     }
 
     /// Evaluates λ(u), what it makes of the twists, and how far that is from u, times the apparent masses, N·s.
-    fn error(&mut self, (contacts, response, friction): (&[Contact], &Response, f64), sigma: f64) -> f64 {
+    fn error(&mut self, (contacts, response): (&[Contact], &Response), sigma: f64) -> f64 {
         let n = response.bodies();
         self.impulses.clear();
         self.wrenches.clear();
         self.wrenches.resize(n, [0.0; 6]);
         self.answer.resize(n, [0.0; 6]);
         for (c, l0) in contacts.iter().zip(&self.start) {
-            let (l, _) = law(c, &c.velocity(&self.twists[c.slot]), l0, friction, sigma);
+            let (l, _) = law(c, &c.velocity(&self.twists[c.slot]), l0, sigma);
             c.push(&l, &mut self.wrenches[c.slot]);
             self.impulses.push(l);
         }
@@ -138,17 +138,13 @@ impl Newton {
     }
 
     /// Solves for δu at u, into `right`; `false` where the system is too large or singular.
-    fn direction(
-        &mut self,
-        (contacts, response, friction): (&[Contact], &Response, f64),
-        sigma: f64,
-    ) -> bool {
+    fn direction(&mut self, (contacts, response): (&[Contact], &Response), sigma: f64) -> bool {
         let n = response.bodies();
         self.stiffness.clear();
         self.stiffness.resize(n, [[0.0; 6]; 6]);
         self.loaded.clear();
         for (c, l0) in contacts.iter().zip(&self.start) {
-            let (_, a) = law(c, &c.velocity(&self.twists[c.slot]), l0, friction, sigma);
+            let (_, a) = law(c, &c.velocity(&self.twists[c.slot]), l0, sigma);
             if a[0][0] == 0.0 {
                 continue;
             }
@@ -223,7 +219,7 @@ impl Newton {
 }
 
 /// λ(u) and A of one contact. See the module header.
-fn law(c: &Contact, u: &[f64; 3], l0: &[f64; 3], friction: f64, sigma: f64) -> ([f64; 3], [[f64; 3]; 3]) {
+fn law(c: &Contact, u: &[f64; 3], l0: &[f64; 3], sigma: f64) -> ([f64; 3], [[f64; 3]; 3]) {
     let mut a = [[0.0; 3]; 3];
     let stiff = sigma * c.mass;
     // λ_n = λ₀ − ρ (u_n + γ λ_n)
@@ -233,7 +229,7 @@ fn law(c: &Contact, u: &[f64; 3], l0: &[f64; 3], friction: f64, sigma: f64) -> (
         return ([0.0; 3], a);
     }
     a[0][0] = along;
-    let radius = friction * normal;
+    let radius = c.friction * normal;
     if radius <= 0.0 {
         return ([normal, 0.0, 0.0], a);
     }
@@ -248,7 +244,7 @@ fn law(c: &Contact, u: &[f64; 3], l0: &[f64; 3], friction: f64, sigma: f64) -> (
     let d = [x / long, y / long];
     let across = stiff * radius / long;
     for i in 0..2 {
-        a[1 + i][0] = friction * along * d[i];
+        a[1 + i][0] = c.friction * along * d[i];
         for j in 0..2 {
             let identity = if i == j { 1.0 } else { 0.0 };
             a[1 + i][1 + j] = across * (identity - d[i] * d[j]);

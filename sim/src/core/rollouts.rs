@@ -30,6 +30,8 @@ use crate::{Engine, EngineError};
 ///     ground: Some(Floor::level(0.0, 0.8)),
 ///     pinned: false,
 ///     contact: Default::default(),
+///     props: Default::default(),
+///     self_collision: false,
 /// };
 /// let core = Core::new(&body, settings, &body.rest, &vec![0.0; body.skeleton.nv()]).unwrap();
 /// let states = vec![core.snapshot(); 4];

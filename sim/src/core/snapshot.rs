@@ -179,6 +179,8 @@ mod tests {
             ground: Some(Floor::level(0.0, 0.8)),
             pinned: false,
             contact: Default::default(),
+            props: Default::default(),
+            self_collision: false,
         };
         let mut core = Core::new(&c, settings, &c.rest, &vec![0.0; c.skeleton.nv()]).unwrap();
         let limp = vec![Drive { stiffness: 20.0, damping: 2.0, rest: Rest::None }; core.model.bodies.len()];

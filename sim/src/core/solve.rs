@@ -1,6 +1,6 @@
 //! Contact impulses: projected Gauss–Seidel sweeps and a Newton finish, to a residual that is measured.
 //!
-//! In: contacts, G and the twists without them ([`Response`]), the friction coefficient. Out: the impulses λ (N·s; normal and two
+//! In: contacts, G and the twists without them ([`Response`]). Out: the impulses λ (N·s; normal and two
 //! tangents) with `0 ≤ λ_n ⊥ u_n ≥ 0` and friction that opposes slip on the disc `|λ_t| ≤ μ λ_n`.
 //!
 //! What is solved is measured by the natural map of the cone problem (De Saxcé, Feng 1998): with ũ = u + μ |u_t| n and the projection
@@ -64,18 +64,12 @@ impl Solver {
     }
 
     /// Solves from the impulses as they are to a residual of `tolerance` (N·s) if it can.
-    pub fn solve(
-        &mut self,
-        contacts: &[Contact],
-        response: &Response,
-        friction: f64,
-        tolerance: f64,
-    ) -> Effort {
+    pub fn solve(&mut self, contacts: &[Contact], response: &Response, tolerance: f64) -> Effort {
         let bodies = response.bodies();
         self.wrenches.resize(bodies, [0.0; 6]);
         self.twists.resize(bodies, [0.0; 6]);
         self.update(contacts, response);
-        let mut effort = Effort { residual: self.residual(contacts, friction), ..Effort::default() };
+        let mut effort = Effort { residual: self.residual(contacts), ..Effort::default() };
         // near a solution Newton's step lands on it; far away sweeps find out who touches, sticks and slides
         let mut sweeps = if effort.residual < 1e4 * tolerance { 0 } else { 3 };
         for _ in 0..ROUNDS {
@@ -83,14 +77,14 @@ impl Solver {
                 break;
             }
             for _ in 0..sweeps {
-                self.sweep(contacts, response, friction);
+                self.sweep(contacts, response);
             }
             effort.sweeps += sweeps;
             if sweeps > 0 {
                 self.update(contacts, response);
-                effort.residual = self.residual(contacts, friction);
+                effort.residual = self.residual(contacts);
             }
-            self.finish(contacts, response, friction, tolerance, &mut effort);
+            self.finish(contacts, response, tolerance, &mut effort);
             sweeps = (2 * sweeps).clamp(4, 32);
         }
         effort
@@ -98,27 +92,16 @@ impl Solver {
 
     /// Newton steps from the impulses as they are; keeps the best seen. Where a whole step does not help, it is taken as far as the
     /// first pressed point opens: redundant points that cannot all touch leave one by one. Such steps may raise the residual on the way.
-    fn finish(
-        &mut self,
-        contacts: &[Contact],
-        response: &Response,
-        friction: f64,
-        tolerance: f64,
-        effort: &mut Effort,
-    ) {
+    fn finish(&mut self, contacts: &[Contact], response: &Response, tolerance: f64, effort: &mut Effort) {
         for sigma in SIGMAS {
             if effort.residual <= tolerance {
                 break;
             }
             self.best.clone_from(&self.impulses);
-            effort.steps += self.newton.step(
-                (contacts, response, friction),
-                (sigma, tolerance),
-                &self.twists,
-                &mut self.impulses,
-            );
+            effort.steps +=
+                self.newton.step((contacts, response), (sigma, tolerance), &self.twists, &mut self.impulses);
             self.update(contacts, response);
-            let residual = self.residual(contacts, friction);
+            let residual = self.residual(contacts);
             if residual < effort.residual {
                 effort.residual = residual;
             } else {
@@ -138,7 +121,7 @@ impl Solver {
     }
 
     /// One Gauss–Seidel sweep: every contact solves its own law, the others held; the normal first, then friction.
-    fn sweep(&mut self, contacts: &[Contact], response: &Response, friction: f64) {
+    fn sweep(&mut self, contacts: &[Contact], response: &Response) {
         let n = response.bodies();
         for (c, impulse) in contacts.iter().zip(&mut self.impulses) {
             let old = *impulse;
@@ -154,7 +137,7 @@ impl Solver {
                 }
             }
             let [m11, m12, m22] = c.mass_t;
-            let radius = friction * normal;
+            let radius = c.friction * normal;
             let (mut t1, mut t2) = (old[1] - (m11 * u1 + m12 * u2), old[2] - (m12 * u1 + m22 * u2));
             if t1 * t1 + t2 * t2 > radius * radius {
                 // it slides, against its slip: of steps that do not solve the block exactly only those along u_t end where it does
@@ -177,7 +160,7 @@ impl Solver {
         }
     }
 
-    fn residual(&self, contacts: &[Contact], friction: f64) -> f64 {
-        residual(contacts, &self.impulses, &self.twists, friction)
+    fn residual(&self, contacts: &[Contact]) -> f64 {
+        residual(contacts, &self.impulses, &self.twists)
     }
 }

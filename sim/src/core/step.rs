@@ -2,11 +2,12 @@
 
 use bodies::Character;
 use controllers::{Drive, Rest};
-use dynamics::{Model, State, Wrench};
+use dynamics::{Against, Model, State, Wrench};
 use motion::rotation::log;
 use motion::skeleton::{quat_at, vec_at};
 use motion::{Floor, Joint, Vec3};
 
+use super::find::{ENDS, MANIFOLD};
 use super::{Core, NAME, Touch};
 use crate::{ContactForce, Engine, EngineError, Impulse, Ledger};
 
@@ -122,22 +123,49 @@ impl Engine for Core {
     }
 
     fn contacts(&self, out: &mut Vec<ContactForce>) {
-        for group in &self.groups {
+        let shapes = &self.shapes;
+        let link = |body: usize| self.model.bodies[body].link;
+        for group in &shapes.groups {
             for touch in &self.touches[group.from..group.to] {
-                if touch.weight > 0.0 {
-                    out.push(ContactForce {
-                        link: self.model.bodies[group.body].link,
-                        point: touch.place / touch.weight,
-                        force: touch.impulse * self.settings.rate_hz,
-                        depth: touch.depth,
-                    });
+                out.extend(self.force(touch, link(group.body), Against::Ground));
+            }
+            for solid in group.solids.clone() {
+                for prop in 0..shapes.props.len() {
+                    let first = shapes.on_prop(solid, prop);
+                    for touch in &self.touches[first..first + MANIFOLD] {
+                        out.extend(self.force(touch, link(group.body), Against::Prop(prop)));
+                    }
                 }
+            }
+        }
+        for (number, pair) in shapes.pairs.iter().enumerate() {
+            let first = shapes.of_pair(number);
+            let [one, other] = pair.links;
+            for touch in &self.touches[first..first + ENDS] {
+                let on_one = self.force(touch, one, Against::Link(other));
+                let back = |c: ContactForce| ContactForce {
+                    link: other,
+                    against: Against::Link(one),
+                    force: -c.force,
+                    ..c
+                };
+                out.extend(on_one.into_iter().chain(on_one.map(back)));
             }
         }
     }
 }
 
 impl Core {
+    fn force(&self, touch: &Touch, link: usize, against: Against) -> Option<ContactForce> {
+        (touch.weight > 0.0).then(|| ContactForce {
+            link,
+            against,
+            point: touch.place / touch.weight,
+            force: touch.impulse * self.settings.rate_hz,
+            depth: touch.depth,
+        })
+    }
+
     fn diverged(&self, body: &str) -> EngineError {
         EngineError::Diverged {
             step: self.steps,

@@ -90,23 +90,39 @@ impl Rapier {
                 .insert_body(builder.pose(pose(&world)).can_sleep(false).additional_mass_properties(mass));
             handles.push(handle);
         }
+        let frictions = Frictions::of(&settings);
+        let touching = if settings.self_collision { Touching::new(character) } else { Touching::default() };
         for (i, body) in character.bodies.iter().enumerate() {
             let (owner, owner_from_link) = model.body_of[i];
             let frame = nalgebra::Translation3::from(-shift_of(owner)) * owner_from_link;
-            for shape in &body.shapes {
-                let collider = collider(shape, &frame)
+            for (k, shape) in body.shapes.iter().enumerate() {
+                let mut collider = collider(shape, &frame)
                     .density(0.0)
-                    .friction(settings.ground.map_or(0.0, |g| g.friction))
+                    .friction(frictions.body)
+                    .user_data(shape_key(i, k))
                     .collision_groups(groups(rp::Group::GROUP_1, rp::Group::GROUP_2));
+                if touching.contains(i, k) {
+                    collider = collider.active_hooks(rp::ActiveHooks::FILTER_CONTACT_PAIRS).collision_groups(
+                        groups(rp::Group::GROUP_1, rp::Group::GROUP_1 | rp::Group::GROUP_2),
+                    );
+                }
                 physics.insert_collider(collider, Some(handles[owner]));
             }
         }
+        let props = settings
+            .props
+            .iter()
+            .map(|prop| {
+                let collider = rp::ColliderBuilder::cuboid(prop.half.x, prop.half.y, prop.half.z)
+                    .position(pose(&prop.place));
+                physics.insert_collider(frictions.world(collider, prop.friction), None)
+            })
+            .collect();
         let mut turning = None;
         if let Some(ground) = settings.ground {
             let plane = |up: Vec3| {
-                rp::ColliderBuilder::halfspace(nalgebra::Unit::new_unchecked(to_glam(up)))
-                    .friction(ground.friction)
-                    .collision_groups(groups(rp::Group::GROUP_2, rp::Group::GROUP_1))
+                let plane = rp::ColliderBuilder::halfspace(nalgebra::Unit::new_unchecked(to_glam(up)));
+                frictions.world(plane, ground.friction)
             };
             if ground.turns {
                 let place = pose(&ground.place());
@@ -138,6 +154,8 @@ impl Rapier {
             model,
             settings,
             handles,
+            props,
+            touching,
             turning,
             any_joint,
             mb_link: Vec::new(),
@@ -156,7 +174,7 @@ impl Rapier {
     fn prepare(&mut self) {
         let Some(any) = self.any_joint else { return };
         let (mb, _) = self.physics.multibody_joints.get_mut(any).expect("own joint");
-        mb.set_self_contacts_enabled(false);
+        mb.set_self_contacts_enabled(self.settings.self_collision);
         mb.forward_kinematics(&self.physics.bodies, true);
         mb.damping_mut().fill(0.0);
         if self.settings.pinned && matches!(self.model.bodies[0].joint, Joint::Free) {
@@ -167,6 +185,80 @@ impl Rapier {
             .iter()
             .map(|h| self.physics.multibody_joints.rigid_body_link(*h).expect("own body").id)
             .collect();
+    }
+}
+
+/// Friction of colliders, so that each pair has the coefficient that it should.
+struct Frictions {
+    /// Of the body's.
+    body: f64,
+    /// Whether the world's are told as multiples of it.
+    relative: bool,
+}
+
+impl Frictions {
+    /// Where only the ground is touched, its coefficient is the body's too. Else the body has one of its own, which holds between
+    /// links, and the ground and each prop have theirs.
+    fn of(settings: &EngineSettings) -> Self {
+        let relative = settings.self_collision || !settings.props.is_empty();
+        let ground = settings.ground.map_or(0.0, |g| g.friction);
+        Self { body: if relative { motion::floor::FRICTION } else { ground }, relative }
+    }
+
+    fn world(&self, collider: rp::ColliderBuilder, friction: f64) -> rp::ColliderBuilder {
+        let collider = collider.collision_groups(groups(rp::Group::GROUP_2, rp::Group::GROUP_1));
+        if self.relative {
+            let product = rp::CoefficientCombineRule::Multiply;
+            collider.friction(friction / self.body).friction_combine_rule(product)
+        } else {
+            collider.friction(friction)
+        }
+    }
+}
+
+/// A shape of a link as a collider's user data.
+fn shape_key(link: usize, shape: usize) -> u128 {
+    (link as u128) << 64 | shape as u128
+}
+
+/// Which shapes of the body touch each other: rapier asks for each pair that comes near.
+#[derive(Debug, Default)]
+pub(super) struct Touching {
+    /// Sorted, the lesser first.
+    pairs: Vec<[u128; 2]>,
+    /// Sorted.
+    shapes: Vec<u128>,
+}
+
+impl Touching {
+    fn new(character: &Character) -> Self {
+        let all = character.capsules();
+        let key = |c: usize| shape_key(all[c].link, all[c].shape);
+        let mut pairs: Vec<[u128; 2]> = character
+            .self_pairs()
+            .into_iter()
+            .map(|[i, j]| [key(i).min(key(j)), key(i).max(key(j))])
+            .collect();
+        pairs.sort_unstable();
+        let mut shapes: Vec<u128> = pairs.iter().flatten().copied().collect();
+        shapes.sort_unstable();
+        shapes.dedup();
+        Self { pairs, shapes }
+    }
+
+    fn contains(&self, link: usize, shape: usize) -> bool {
+        self.shapes.binary_search(&shape_key(link, shape)).is_ok()
+    }
+}
+
+impl rp::PhysicsHooks for Touching {
+    fn filter_contact_pair(&self, pair: &rp::PairFilterContext<'_>) -> Option<rp::SolverFlags> {
+        let [one, other] = [pair.collider1, pair.collider2].map(|c| &pair.colliders[c]);
+        let world = one.parent().is_none_or(|b| !pair.bodies[b].is_dynamic())
+            || other.parent().is_none_or(|b| !pair.bodies[b].is_dynamic());
+        let (a, b) = (one.user_data, other.user_data);
+        let allowed = world || self.pairs.binary_search(&[a.min(b), a.max(b)]).is_ok();
+        allowed.then_some(rp::SolverFlags::COMPUTE_RIGID_IMPULSES)
     }
 }
 

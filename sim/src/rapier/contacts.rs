@@ -7,6 +7,7 @@
 //! last step in which the solver saw it. Only its solver contacts took part in this step: the impulses of the others
 //! are old. Friction is along the basis that the solver makes of the normal.
 
+use dynamics::Against;
 use motion::Vec3;
 use rapier3d::prelude as rp;
 use rapier3d::utils::OrthonormalBasis;
@@ -25,10 +26,19 @@ impl Rapier {
                 let body = self.handles.iter().position(|h| Some(*h) == collider.parent())?;
                 Some((body, *collider.position()))
             };
-            let (body, place, on_first) = match (owner(pair.collider1), owner(pair.collider2)) {
-                (Some((body, at)), None) => (body, at, true),
-                (None, Some((body, at))) => (body, at, false),
-                _ => continue,
+            let link = |body: usize| self.model.bodies[body].link;
+            // what is touched, where, and the other link if there is one
+            let (body, place, on_first, other) = match (owner(pair.collider1), owner(pair.collider2)) {
+                (Some((body, at)), None) => (body, at, true, None),
+                (None, Some((body, at))) => (body, at, false, None),
+                (Some((body, at)), Some((other, _))) => (body, at, true, Some(other)),
+                (None, None) => continue,
+            };
+            let fixed = if on_first { pair.collider2 } else { pair.collider1 };
+            let against = match (other, self.props.iter().position(|p| *p == fixed)) {
+                (Some(other), _) => Against::Link(link(other)),
+                (None, Some(prop)) => Against::Prop(prop),
+                (None, None) => Against::Ground,
             };
             for manifold in pair.manifolds() {
                 let normal = -manifold.data.normal;
@@ -44,12 +54,18 @@ impl Rapier {
                     let force: Vec3 = basis.iter().zip(impulse).map(|(b, x)| b * x).sum();
                     let local = if on_first { point.local_p1 } else { point.local_p2 };
                     let sign = if on_first { 1.0 } else { -1.0 };
-                    out.push(ContactForce {
-                        link: self.model.bodies[body].link,
+                    let contact = ContactForce {
+                        link: link(body),
+                        against,
                         point: from_glam(place * local),
                         force: force * (sign * inv_dt),
                         depth: -point.dist,
-                    });
+                    };
+                    out.push(contact);
+                    if let Some(other) = other {
+                        let (force, against) = (-contact.force, Against::Link(contact.link));
+                        out.push(ContactForce { link: link(other), against, force, ..contact });
+                    }
                 }
             }
         }
@@ -65,6 +81,6 @@ impl Rapier {
     pub fn contact_sum(&self) -> Vec3 {
         let mut all = Vec::new();
         self.read_contacts(&mut all);
-        all.iter().map(|c| c.force).sum()
+        all.iter().filter(|c| c.against.is_world()).map(|c| c.force).sum()
     }
 }

@@ -53,6 +53,10 @@ pub struct Rapier {
     pub settings: EngineSettings,
     /// One per moving body.
     handles: Vec<rp::RigidBodyHandle>,
+    /// One per prop.
+    props: Vec<rp::ColliderHandle>,
+    /// Which links touch each other.
+    touching: build::Touching,
     /// The ground, if it may turn.
     turning: Option<rp::RigidBodyHandle>,
     any_joint: Option<rp::MultibodyJointHandle>,

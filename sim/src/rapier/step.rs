@@ -42,7 +42,7 @@ impl Engine for Rapier {
         let root = &model.bodies[0];
         if matches!(root.joint, Joint::Free) && root.com != self.root_shift {
             // the root's frame is its centre of mass, which moves: build the body anew around it
-            let mut built = Rapier::new(character, self.settings, &self.q, &self.v)?;
+            let mut built = Rapier::new(character, self.settings.clone(), &self.q, &self.v)?;
             built.stops = std::mem::take(&mut self.stops);
             built.steps = self.steps;
             *self = built;
@@ -137,7 +137,7 @@ impl Engine for Rapier {
     }
 
     fn step(&mut self) -> Result<(), EngineError> {
-        self.physics.step();
+        self.physics.step_with_events(&self.touching, &());
         self.steps += 1;
         for &h in &self.handles {
             let body = &mut self.physics.bodies[h];

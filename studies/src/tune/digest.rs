@@ -17,7 +17,7 @@
 //! option a count of 0 or 1 before the value, a list its length before the values, a named value its name. Structures are taken
 //! apart field by field, so a field that is added does not compile before it has a place here.
 
-use bodies::{Body, Carried, Character};
+use bodies::{Body, Carried, Character, Prop};
 use controllers::{BalanceSettings, Gaze, GazeSettings};
 use dynamics::conditions::Carrying;
 use dynamics::{Push, RootMode};
@@ -265,13 +265,31 @@ fn shape(d: &mut Digest, shape: &Shape) {
 }
 
 fn conditions(d: &mut Digest, conditions: &Conditions) {
-    let Conditions { physics: numbers, tilts, pushes, carried, gazes, programs, engine: _ } = conditions;
+    let Conditions {
+        physics: numbers,
+        tilts,
+        props,
+        self_collision,
+        pushes,
+        carried,
+        gazes,
+        programs,
+        engine: _,
+    } = conditions;
     physics(d, numbers);
     d.list(tilts, |d, tilt| {
         let Tilt { start_s, duration_s, tilt, towards, curve: shape } = tilt;
         d.numbers([start_s, duration_s, tilt, towards]);
         curve(d, shape);
     });
+    d.list(props, |d, prop| {
+        let Prop { name, half, place, friction } = prop;
+        d.text(name);
+        vectors(d, [half, &place.translation.vector]);
+        d.numbers(place.rotation.coords.iter());
+        d.number(*friction);
+    });
+    d.count(usize::from(*self_collision));
     d.list(pushes, |d, push| {
         let Push { link, at, force, start_s, duration_s } = push;
         d.count(*link);

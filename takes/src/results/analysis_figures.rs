@@ -322,6 +322,7 @@ impl<'a> Drawing<'a> {
             title,
             view: self.input.view,
             colors: self.input.colors.clone(),
+            props: self.trace.disturbed.props.clone(),
             ..StripOptions::default()
         };
         film_strip_with(&rows, &self.trace.character, note, &options)

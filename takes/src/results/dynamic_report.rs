@@ -4,7 +4,7 @@
 //! the world frame, moments about the root's origin.
 
 use bodies::JointClass;
-use dynamics::{RootMode, Trace};
+use dynamics::{Against, RootMode, Trace};
 use motion::Vec3;
 use motion::metrics::{self, JointError};
 use motion::names::Word;
@@ -320,8 +320,12 @@ fn support_margin(t: &Trace) -> Option<f64> {
     while i < t.contacts.len() {
         let row = t.contacts[i].row;
         let end = i + t.contacts[i..].iter().take_while(|c| c.row == row).count();
-        let points: Vec<Vec3> = t.contacts[i..end].iter().map(|c| c.point).collect();
+        let outside = t.contacts[i..end].iter().filter(|c| c.against.is_world());
+        let points: Vec<Vec3> = outside.map(|c| c.point).collect();
         i = end;
+        if points.is_empty() {
+            continue;
+        }
         let support = motion::Support::of(points.iter());
         let margin = 1e3 * support.margin(&motion::support::ground(&t.com_at(row)));
         least = Some(least.map_or(margin, |m| m.min(margin)));
@@ -384,7 +388,10 @@ fn contact(t: &Trace) -> ContactForceReport {
         let (row, link) = (t.contacts[i].row, t.contacts[i].link);
         let mut sum = Vec3::zeros();
         while i < t.contacts.len() && t.contacts[i].row == row && t.contacts[i].link == link {
-            sum += t.contacts[i].force;
+            // a prop has a slope of its own
+            if t.contacts[i].against == Against::Ground {
+                sum += t.contacts[i].force;
+            }
             i += 1;
         }
         let up = t.ground_up(row);

@@ -119,6 +119,7 @@ fn options(take: &Take) -> StripOptions {
         view: strip_view(strip),
         ground_m: take.conditions.physics.ground.map(|g| g.height_m),
         colors: take.body.colors.clone(),
+        props: take.conditions.props.clone(),
         ..StripOptions::default()
     }
 }
