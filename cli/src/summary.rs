@@ -373,6 +373,11 @@ fn performed(out: &mut String, d: &DynamicReport) -> std::fmt::Result {
         }
         line(out, "ground", text)?;
     }
+    let touched =
+        d.contact.touched.iter().map(|c| {
+            format!("{} on {} from {:.2} s, {:.0} N at most", c.link, c.against, c.from_s, c.peak_n)
+        });
+    first_of(out, "touched", touched)?;
     let sagging = d.sagging.iter().map(|s| {
         format!(
             "{} at {:.2} s: has {:.1} N·m/rad, needs {:.1}",

@@ -56,6 +56,8 @@ pub struct Ledger {
     pub resolved: u64,
     /// Substeps taken in two halves.
     pub halved: u64,
+    /// Solutions without pushing out, because points could not all be pushed out at once.
+    pub wedged: u64,
     /// Solutions whose residual exceeds 1e-6 m g dt.
     pub above_tight: u64,
     /// Solutions whose residual exceeds 1e-3 m g dt: these are not solutions.

@@ -1,11 +1,11 @@
-//! Random bodies in the core: trees of all joint types, masses over six decades, thrown on random slopes.
+//! Random bodies in the core: trees of all joint types, masses over six decades, thrown on random slopes and props, their links touching
+//! each other: 10⁵ steps.
 //!
-//! Whatever they do, a state is finite or its step is an error that names step and body. What such bodies gain in energy is printed:
-//! the core takes the rates at which joints turn each other from before the step, which is not bounded at any ratio of masses.
+//! Whatever they do, a state is finite and has no energy that nothing gave, or its step is an error that names step and body.
 
 mod solids;
 
-use bodies::{Body, Character};
+use bodies::{Body, Character, Prop};
 use controllers::{Drive, Rest};
 use dynamics::State;
 use motion::rotation::exp;
@@ -15,7 +15,7 @@ use sim::{Core, Engine, EngineError, EngineSettings};
 use solids::character;
 
 /// Bodies, and control steps of each.
-const BODIES: u64 = 30;
+const BODIES: u64 = 500;
 const STEPS: usize = 200;
 
 /// Numbers from a seed: a 64-bit linear congruential generator (Knuth, MMIX).
@@ -78,7 +78,8 @@ fn tree(r: &mut Random) -> Character {
 
 #[test]
 fn random_bodies_stay_finite_or_say_so() {
-    let (mut steps, mut diverged, mut unsolved, mut solutions, mut most) = (0, 0, 0, 0, 0.0_f64);
+    let (mut steps, mut diverged, mut unsolved, mut solutions, mut halved) = (0, 0, 0, 0, 0);
+    let (mut most, mut whose) = (0.0_f64, 0);
     for seed in 0..BODIES {
         let mut r = Random(seed * 7919 + 1);
         for _ in 0..8 {
@@ -93,8 +94,23 @@ fn random_bodies_stay_finite_or_say_so() {
             ground: Some(ground),
             pinned: false,
             contact: Default::default(),
-            props: Default::default(),
-            self_collision: false,
+            props: (0..(r.unit() * 3.0) as usize)
+                .map(|i| {
+                    let (at, size) = (r.vector(0.5), Vec3::repeat(0.35) + r.vector(0.3));
+                    let at = Vec3::new(at.x, 0.0, at.z);
+                    match i {
+                        0 => Prop::upright("box", at, size, r.within(-3.0, 3.0), r.within(0.0, 1.2)),
+                        _ => Prop::ramp(
+                            "ramp",
+                            at,
+                            (1.0, size.x, 0.1),
+                            (r.within(0.0, 1.0), r.within(-3.0, 3.0)),
+                            0.5,
+                        ),
+                    }
+                })
+                .collect(),
+            self_collision: r.unit() < 0.5,
         };
         let mut q = c.rest.clone();
         if matches!(c.skeleton.links()[0].joint, Joint::Free) {
@@ -134,15 +150,22 @@ fn random_bodies_stay_finite_or_say_so() {
             largest = largest.max(kinetic);
             // pushing out of the ground works, and is counted
             let pushed = core.ledger().unwrap().push_out_j.max(0.0);
-            most = most.max((total - start - pushed) / largest);
+            let gained = (total - start - pushed) / largest;
+            if gained > most {
+                (most, whose) = (gained, seed);
+            }
         }
         let l = core.ledger().unwrap();
         unsolved += l.above_loose;
         solutions += l.touching;
+        halved += l.halved;
     }
     println!(
-        "{steps} steps, {diverged} diverged; {unsolved} of {solutions} contacts not solved; gained at most {most:.2e} of the largest kinetic energy"
+        "{steps} steps, {diverged} of {BODIES} bodies diverged; {unsolved} of {solutions} contacts not solved; {halved} substeps halved; gained at most {most:.2e} of the largest kinetic energy (body {whose})"
     );
-    // most of them stay
-    assert!(steps > BODIES as usize * STEPS * 3 / 4, "{steps}");
+    assert!(steps + diverged as usize * STEPS >= BODIES as usize * STEPS);
+    // 17 seen: light roots under limbs a million times as heavy, whose momentum corrections would work
+    assert!(diverged <= BODIES / 20, "{diverged} diverged");
+    assert!(most < 1e-3, "body {whose} gained {most} of its largest kinetic energy"); // none seen
+    assert!(unsolved * 1000 < solutions, "{unsolved} of {solutions} contact solutions are none"); // 3e-4 seen
 }

@@ -6,6 +6,9 @@
 //! than [`FELT`], it is put in before the contacts instead, and the substep solved again. Where that does not converge (a hard impact on a
 //! light limb, whose joints then turn by a large angle per substep) the substep is taken in two halves, and these again, down to
 //! 2^-[`HALVINGS`].
+//!
+//! Bias and inertia of a substep are those of its start: where a joint turns far within it, or where the body comes out of it with more energy
+//! than went in, it is taken in halves too, down to 2^-8 (`sound`). A body that gains energy there as well has diverged.
 
 use motion::rotation::exp;
 use motion::{Floor, Vec3};
@@ -13,7 +16,9 @@ use motion::{Floor, Vec3};
 use super::Core;
 use super::contact::Ground;
 use super::momentum::Whole;
+use super::solve::Effort;
 use crate::Impulse;
+use crate::ledger::LOOSE;
 
 /// Velocity of a loaded contact that a correction may leave, m/s.
 const FELT: f64 = 1e-6;
@@ -37,7 +42,7 @@ impl Core {
             let turn = exp(&(self.ground_rate * begin));
             Ground::new(Floor { up: turn * floor.up, ..floor }, self.ground_rate)
         });
-        if self.substep(dt, ground.as_ref(), halvings < HALVINGS)? {
+        if self.substep(dt, ground.as_ref(), halvings)? {
             return Ok(());
         }
         self.ledger.halved += 1;
@@ -45,8 +50,9 @@ impl Core {
         self.advance(begin + 0.5 * dt, 0.5 * dt, halvings + 1)
     }
 
-    /// A substep; `false`, with the state as it was, where it should be halved and `may_halve`.
-    fn substep(&mut self, dt: f64, ground: Option<&Ground>, may_halve: bool) -> Result<bool, usize> {
+    /// A substep; `false`, with the state as it was, where it should be halved and may be.
+    fn substep(&mut self, dt: f64, ground: Option<&Ground>, halvings: usize) -> Result<bool, usize> {
+        let may_halve = halvings < HALVINGS;
         let (n, held) = (self.model.nv(), self.held());
         let settles = held == 0 && self.free_root();
         let start = Whole::of(&self.model, &self.state);
@@ -104,9 +110,7 @@ impl Core {
             let (shift, spin) = now.motion(self.model.mass, &missing.moved(&(now.com - start.com)));
             let slip = self.slip(&now.com, &shift, &spin);
             if slip > FELT && (repeat == REPEATS || slip > CONTRACTION * least) && may_halve {
-                self.q.copy_from_slice(&self.before);
-                self.v.copy_from_slice(&self.before_v);
-                self.state.update(&self.model, &self.q, &self.v);
+                self.back();
                 return Ok(false);
             }
             if slip > FELT && repeat < REPEATS && slip <= CONTRACTION * least {
@@ -117,20 +121,37 @@ impl Core {
                 self.feed(&missing, &start);
                 continue;
             }
-            self.ledger.worst_slip = self.ledger.worst_slip.max(slip);
-            for (rest, v) in self.rest.iter_mut().zip(&self.v) {
-                *rest -= dt * v;
-            }
             self.settle(&now, &shift, &spin);
+            if !self.is_sound(dt, &start, held, halvings)? {
+                self.back();
+                return Ok(false);
+            }
+            self.ledger.worst_slip = self.ledger.worst_slip.max(slip);
             self.account(&(fed + missing), &start, &now);
-            self.finish_contacts(dt);
+            self.finish(dt);
             return Ok(true);
         }
+        if !self.is_sound(dt, &start, held, halvings)? {
+            self.back();
+            return Ok(false);
+        }
+        self.finish(dt);
+        Ok(true)
+    }
+
+    /// Takes pose and velocity back to the start of the substep.
+    fn back(&mut self) {
+        self.q.copy_from_slice(&self.before);
+        self.v.copy_from_slice(&self.before_v);
+        self.state.update(&self.model, &self.q, &self.v);
+    }
+
+    /// Keeps what a substep leaves for the next one.
+    fn finish(&mut self, dt: f64) {
         for (rest, v) in self.rest.iter_mut().zip(&self.v) {
             *rest -= dt * v;
         }
         self.finish_contacts(dt);
-        Ok(true)
     }
 
     fn find_contacts(&mut self, dt: f64, ground: Option<&Ground>, held: usize) {
@@ -158,11 +179,28 @@ impl Core {
     /// Velocities with contacts, from those without.
     fn solve_contacts(&mut self, dt: f64, held: usize) {
         self.v.copy_from_slice(&self.free);
+        self.unsolved = false;
         if self.contacts.is_empty() {
             return;
         }
         let weight = self.weight() * dt;
-        let effort = self.solver.solve(&self.contacts, &self.response, TARGET * weight);
+        let mut effort = self.solver.solve(&self.contacts, &self.response, TARGET * weight);
+        if effort.residual > LOOSE * weight && self.contacts.iter().any(|c| c.out > 0.0) {
+            // points that cannot all be pushed out at once (a body that is wedged, a joint inside the ground) come no deeper
+            for (c, impulse) in self.contacts.iter_mut().zip(&mut self.solver.impulses) {
+                c.ground[0] -= c.out;
+                c.out = 0.0;
+                *impulse = self.forces[c.point].map(|f| f * dt);
+            }
+            self.ledger.wedged += 1;
+            let again = self.solver.solve(&self.contacts, &self.response, TARGET * weight);
+            effort = Effort {
+                sweeps: effort.sweeps + again.sweeps,
+                steps: effort.steps + again.steps,
+                residual: again.residual,
+            };
+        }
+        self.unsolved = effort.residual.is_nan() || effort.residual > LOOSE * weight;
         self.ledger.solved(effort.sweeps, effort.steps, effort.residual / weight);
         self.response.gather(&self.solver.wrenches, &mut self.change);
         self.factor.solve_outward(&self.tree, &mut self.change, held);
@@ -172,7 +210,7 @@ impl Core {
     }
 
     /// m g, N; with standard gravity where there is none.
-    fn weight(&self) -> f64 {
+    pub(super) fn weight(&self) -> f64 {
         let g = self.settings.gravity.norm();
         self.model.mass * if g > 0.0 { g } else { 9.81 }
     }

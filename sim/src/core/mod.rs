@@ -15,6 +15,7 @@
 //! | `solve` | contact impulses: sweeps |
 //! | `newton` | their finish |
 //! | `integrate` | a substep |
+//! | `sound` | whether a substep may stand |
 //! | `momentum` | what outside forces make of momentum |
 //! | `step` | drives, root path, wrenches, the step: [`Engine`] |
 //! | `snapshot` | save and restore |
@@ -35,6 +36,7 @@ mod response;
 mod shapes;
 mod snapshot;
 mod solve;
+mod sound;
 mod step;
 mod tree;
 
@@ -90,6 +92,8 @@ pub struct Core {
     tree: Tree,
     shapes: Shapes,
     yields: Yield,
+    /// Degrees of freedom that turn something, and the angle that one of each counts as.
+    turning: Vec<(usize, f64)>,
 
     // the state: what a snapshot holds
     q: Vec<f64>,
@@ -127,8 +131,27 @@ pub struct Core {
     finder: Finder,
     response: Response,
     solver: Solver,
+    /// Whether the last contact solution is none.
+    unsolved: bool,
+    /// Energy from nothing in this control step, J.
+    gained: f64,
     touches: Vec<Touch>,
     ledger: Ledger,
+}
+
+/// Degrees of freedom of joints, and the angle that one of each counts as.
+fn turning(model: &Model) -> Vec<(usize, f64)> {
+    let mut all = Vec::new();
+    for b in &model.bodies {
+        match b.joint {
+            Joint::Free => all.extend((b.v_at + 3..b.v_at + 6).map(|dof| (dof, 1.0))),
+            Joint::Spherical => all.extend((b.v_at..b.v_at + 3).map(|dof| (dof, 1.0))),
+            Joint::Revolute(_) => all.push((b.v_at, 1.0)),
+            Joint::Prismatic(_) => all.push((b.v_at, 1.0 / sound::SLIDE)),
+            Joint::Fixed => {}
+        }
+    }
+    all
 }
 
 impl Core {
@@ -162,6 +185,9 @@ impl Core {
             response: Response::new(&tree, &shapes, n),
             solver: Solver::new(room, slots),
             forces: vec![[0.0; 3]; places],
+            unsolved: false,
+            gained: 0.0,
+            turning: turning(&model),
             touches: vec![Touch::default(); places],
             contacts: Vec::with_capacity(room),
             slots: Vec::with_capacity(slots),

@@ -18,6 +18,9 @@ use super::response::{Response, Twist};
 /// Rounds of sweeps, each with a Newton finish.
 const ROUNDS: usize = 16;
 
+/// In so many rounds the residual has to halve.
+const PATIENCE: usize = 4;
+
 /// σ of the proximal steps of a finish, one after another.
 const SIGMAS: [f64; 5] = [1e4, 1e6, 1e1, 1e2, 1e4];
 
@@ -72,9 +75,16 @@ impl Solver {
         let mut effort = Effort { residual: self.residual(contacts), ..Effort::default() };
         // near a solution Newton's step lands on it; far away sweeps find out who touches, sticks and slides
         let mut sweeps = if effort.residual < 1e4 * tolerance { 0 } else { 3 };
-        for _ in 0..ROUNDS {
+        let mut before = f64::INFINITY;
+        for round in 0..ROUNDS {
             if effort.residual <= tolerance {
                 break;
+            }
+            if round % PATIENCE == 0 {
+                if effort.residual > 0.5 * before {
+                    break;
+                }
+                before = effort.residual;
             }
             for _ in 0..sweeps {
                 self.sweep(contacts, response);

@@ -91,6 +91,7 @@ impl Engine for Core {
         self.touches.fill(Touch::default());
         self.ledger.root_correction = Impulse::default();
         self.ledger.root_correction_j = 0.0;
+        self.gained = 0.0;
         self.steps += 1;
         let substeps = self.settings.substeps;
         let dt = 1.0 / (self.settings.rate_hz * substeps as f64);
