@@ -108,6 +108,8 @@ pub struct Core {
     rest: Vec<f64>,
     /// Forces of the last substep at each point: where the next solution starts. N; normal, two tangents.
     forces: Vec<[f64; 3]>,
+    /// Acceleration of the last substep.
+    trend: Vec<f64>,
     /// Velocity of a pinned root on its path.
     path: Option<[f64; 6]>,
     /// Where the ground will face after the next step, and its angular velocity until then, rad/s.
@@ -121,6 +123,8 @@ pub struct Core {
     factor: Factor,
     force: Vec<f64>,
     change: Vec<f64>,
+    /// Velocities that the bias is of.
+    expected: Vec<f64>,
     /// Velocities without contacts.
     free: Vec<f64>,
     /// Pose and velocity at the start of the substep.
@@ -207,6 +211,8 @@ impl Core {
             stiffness: vec![0.0; n],
             damping: vec![0.0; n],
             rest: vec![0.0; n],
+            trend: vec![0.0; n],
+            expected: vec![0.0; n],
             path: None,
             next_up: settings.ground.map_or(Vec3::y(), |g| g.up),
             ground_rate: Vec3::zeros(),

@@ -20,6 +20,7 @@ pub struct Snapshot {
     stiffness: Vec<f64>,
     damping: Vec<f64>,
     rest: Vec<f64>,
+    trend: Vec<f64>,
     forces: Vec<[f64; 3]>,
     path: Option<[f64; 6]>,
     up: Vec3,
@@ -48,7 +49,8 @@ impl Snapshot {
             + self.stops.capacity()
             + self.stiffness.capacity()
             + self.damping.capacity()
-            + self.rest.capacity();
+            + self.rest.capacity()
+            + self.trend.capacity();
         size_of::<Self>()
             + size_of::<f64>() * numbers
             + size_of::<[f64; 3]>() * self.forces.capacity()
@@ -68,6 +70,7 @@ impl Core {
             stiffness: self.stiffness.clone(),
             damping: self.damping.clone(),
             rest: self.rest.clone(),
+            trend: self.trend.clone(),
             forces: self.forces.clone(),
             path: self.path,
             up: self.up(),
@@ -88,6 +91,7 @@ impl Core {
         to.stiffness.copy_from_slice(&self.stiffness);
         to.damping.copy_from_slice(&self.damping);
         to.rest.copy_from_slice(&self.rest);
+        to.trend.copy_from_slice(&self.trend);
         to.forces.copy_from_slice(&self.forces);
         to.path = self.path;
         (to.up, to.next_up, to.ground_rate) = (self.up(), self.next_up, self.ground_rate);
@@ -111,6 +115,7 @@ impl Core {
         self.stiffness.copy_from_slice(&from.stiffness);
         self.damping.copy_from_slice(&from.damping);
         self.rest.copy_from_slice(&from.rest);
+        self.trend.copy_from_slice(&from.trend);
         self.forces.copy_from_slice(&from.forces);
         self.path = from.path;
         if let Some(ground) = &mut self.settings.ground {
@@ -146,9 +151,14 @@ mod tests {
             let bad = f64::NAN;
             self.mass.fill(bad);
             self.factor.spoil();
-            for scratch in
-                [&mut self.force, &mut self.change, &mut self.free, &mut self.before, &mut self.before_v]
-            {
+            for scratch in [
+                &mut self.force,
+                &mut self.change,
+                &mut self.expected,
+                &mut self.free,
+                &mut self.before,
+                &mut self.before_v,
+            ] {
                 scratch.fill(bad);
             }
             for b in &mut self.state.bodies {
