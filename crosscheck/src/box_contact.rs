@@ -246,7 +246,7 @@ fn drop(bridge: &Shared, rate_hz: f64, natural_hz: f64) -> Result<[Vec<Vec3>; 3]
     let settings = box_settings(rate_hz, Vec3::new(0.0, -G, 0.0), law);
     let steps = (0.35 * rate_hz) as usize;
     let mut ours = rapier::engine().build(&character, settings.clone(), &q, &v)?;
-    let mut theirs = engine_in(bridge, integration).build(&character, settings, &q, &v)?;
+    let mut theirs = engine_in(bridge, integration).build(&character, settings.clone(), &q, &v)?;
     let mut core = core::engine().build(&character, settings, &q, &v)?;
     Ok([forces(ours.as_mut(), steps)?, forces(theirs.as_mut(), steps)?, forces(core.as_mut(), steps)?])
 }

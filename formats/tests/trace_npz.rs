@@ -81,7 +81,14 @@ fn projectile(rows: usize, substeps: usize) -> Trace {
                 velocity += force / mass * h;
                 x += velocity * h;
             }
-            t.contacts.push(ContactSample { row, link: 1, against: Default::default(), point: x, force: contact, depth: 0.001 });
+            t.contacts.push(ContactSample {
+                row,
+                link: 1,
+                against: Default::default(),
+                point: x,
+                force: contact,
+                depth: 0.001,
+            });
         }
         let mut q = character.skeleton.zero_pose();
         q[..3].copy_from_slice(x.as_slice());

@@ -4,8 +4,8 @@ use std::collections::BTreeMap;
 use std::io::{Cursor, Read, Write};
 use std::sync::Arc;
 
-use bodies::Prop;
 use bodies::Carried;
+use bodies::Prop;
 use bodies::anthropometry::human::human;
 use dynamics::{Against, ContactSample, Disturbed, Handed, RootMode, Trace};
 use formats::TraceFileError;

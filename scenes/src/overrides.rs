@@ -13,8 +13,8 @@ pub use dynamics::RootName;
 use motion::Kinematics;
 use motion::names::Word;
 
-use crate::{Patch, SceneError};
 use crate::conditions::{ConditionsSpec, Physics};
+use crate::{Patch, SceneError};
 
 /// Rates a simulation may run at, Hz.
 pub const RATES: RangeInclusive<f64> = 30.0..=20_000.0;

@@ -269,17 +269,14 @@ impl Writer<'_> {
         }
         let (character, f) = (self.character, number(FRICTION));
         let all = character.capsules();
-        let geom = |c: usize| {
-            format!("{}_{}", escape(&character.skeleton.links()[all[c].link].name), all[c].shape)
-        };
+        let geom =
+            |c: usize| format!("{}_{}", escape(&character.skeleton.links()[all[c].link].name), all[c].shape);
         self.line(1, "<contact>");
         for [i, j] in character.self_pairs() {
             let (one, other) = (geom(i), geom(j));
             self.line(
                 2,
-                &format!(
-                    "<pair geom1=\"{one}\" geom2=\"{other}\" condim=\"3\" friction=\"{f} {f} 0 0 0\"/>"
-                ),
+                &format!("<pair geom1=\"{one}\" geom2=\"{other}\" condim=\"3\" friction=\"{f} {f} 0 0 0\"/>"),
             );
         }
         self.line(1, "</contact>");

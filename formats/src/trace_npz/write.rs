@@ -205,7 +205,11 @@ fn write_disturbed<W: Write + Seek>(npz: &mut Arrays<W>, d: &Disturbed) -> io::R
     if !d.props.is_empty() {
         let n = d.props.len() as u64;
         npz.text("prop_name", &[n], &d.props.iter().map(|p| p.name.as_str()).collect::<Vec<_>>())?;
-        npz.table("prop_half", 3, &d.props.iter().flat_map(|p| <[f64; 3]>::from(p.half)).collect::<Vec<_>>())?;
+        npz.table(
+            "prop_half",
+            3,
+            &d.props.iter().flat_map(|p| <[f64; 3]>::from(p.half)).collect::<Vec<_>>(),
+        )?;
         let place = |p: &bodies::Prop| {
             let (at, r) = (p.place.translation.vector, p.place.rotation);
             [at.x, at.y, at.z, r.w, r.i, r.j, r.k]

@@ -72,7 +72,8 @@ fn prop(source: &Source, at: &str, number: usize, ron: &PropRon) -> Result<Prop,
             Ok(Prop::upright(&name(&b.name, "box")?, place(b.at_m)?, size, turn, friction))
         }
         PropRon::Ramp(r) => {
-            let size = (long("length_m", r.length_m)?, long("width_m", r.width_m)?, long("height_m", r.height_m)?);
+            let size =
+                (long("length_m", r.length_m)?, long("width_m", r.width_m)?, long("height_m", r.height_m)?);
             let rise = within("rise_deg", r.rise_deg, 0.0, 80.0, "°")?.to_radians();
             let friction = within("friction", r.friction, 0.0, 2.0, "")?;
             let slope = (rise, angle("towards_deg", r.towards_deg)?);

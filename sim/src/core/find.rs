@@ -10,11 +10,11 @@ use bodies::self_collision::nearest;
 use dynamics::State;
 use motion::Vec3;
 use motion::floor::FRICTION;
-use parry3d::math::{Pose, Vector};
+use parry3d::math::Vector;
 use parry3d::query::{ContactManifold, DefaultQueryDispatcher, PersistentQueryDispatcher};
 
 use super::contact::{Contact, Ground, Yield, axes};
-use super::shapes::{Obstacle, Pair, Shapes};
+use super::shapes::{ENDS, MANIFOLD, Obstacle, Pair, Shapes, pose};
 
 /// Points nearer than this to what is fixed take part, m.
 const MARGIN: f64 = 0.02;
@@ -22,10 +22,6 @@ const MARGIN: f64 = 0.02;
 const SELF_MARGIN: f64 = 0.01;
 /// Points of a manifold that are nearer to each other are one, m.
 const SAME: f64 = 1e-6;
-/// Points of a manifold that count.
-pub(super) const MANIFOLD: usize = 8;
-/// Points of a pair of capsules.
-pub(super) const ENDS: usize = 2;
 /// Sine of the angle at which two capsules count as parallel.
 const PARALLEL: f64 = 0.1;
 
@@ -199,7 +195,7 @@ fn capsules(
             let away = p - q;
             let far = away.norm();
             let depth = one.radius + other.radius - far;
-            if depth < -margin || !(far > 0.0) {
+            if depth < -margin || far == 0.0 {
                 return;
             }
             let axes = axes(away / far);
@@ -231,15 +227,6 @@ fn capsules(
         }
     }
     forces[first + found..first + ENDS].fill([0.0; 3]);
-}
-
-pub(super) fn pose(t: &motion::Transform) -> Pose {
-    let (p, r) = (t.translation.vector, t.rotation);
-    Pose::from_parts(to_vector(p), parry3d::math::Rotation::from_xyzw(r.i, r.j, r.k, r.w))
-}
-
-pub(super) fn to_vector(v: Vec3) -> Vector {
-    Vector::new(v.x, v.y, v.z)
 }
 
 fn vector(v: Vector) -> Vec3 {

@@ -14,11 +14,15 @@ use bodies::{Character, Prop};
 use dynamics::Model;
 use motion::{Shape, Transform, Vec3};
 use nalgebra::Point3;
-use parry3d::math::Pose;
+use parry3d::math::{Pose, Rotation, Vector};
 use parry3d::shape::{Cuboid, SharedShape};
 
-use super::find::{ENDS, MANIFOLD, pose, to_vector};
 use crate::EngineSettings;
+
+/// Points of a manifold that count.
+pub(super) const MANIFOLD: usize = 8;
+/// Points of a pair of capsules.
+pub(super) const ENDS: usize = 2;
 
 /// A ball that may touch.
 #[derive(Clone, Debug)]
@@ -241,4 +245,13 @@ fn points(character: &Character, model: &Model) -> (Vec<Point>, Vec<Group>) {
         }
     }
     (points, groups)
+}
+
+pub(super) fn pose(t: &Transform) -> Pose {
+    let (p, r) = (t.translation.vector, t.rotation);
+    Pose::from_parts(to_vector(p), Rotation::from_xyzw(r.i, r.j, r.k, r.w))
+}
+
+fn to_vector(v: Vec3) -> Vector {
+    Vector::new(v.x, v.y, v.z)
 }

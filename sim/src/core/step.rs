@@ -7,7 +7,7 @@ use motion::rotation::log;
 use motion::skeleton::{quat_at, vec_at};
 use motion::{Floor, Joint, Vec3};
 
-use super::find::{ENDS, MANIFOLD};
+use super::shapes::{ENDS, MANIFOLD};
 use super::{Core, NAME, Touch};
 use crate::{ContactForce, Engine, EngineError, Impulse, Ledger};
 
