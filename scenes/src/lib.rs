@@ -9,6 +9,7 @@
 //! | [`schema`] | its words |
 //! | [`conditions`] | what acts on a performer, as a file states it |
 //! | [`overrides`] | numbers of the dynamic pass given beside the file |
+//! | [`props`] | boxes and ramps of a scene or a command line, checked |
 //! | [`patch`] | parameters of tension and balance in a file of their own |
 //! | [`strip_spec`] | how film strips are drawn |
 //! | [`tune_spec`] | what a scene says about its tuning |
@@ -28,6 +29,7 @@ pub mod library;
 pub mod overrides;
 pub mod patch;
 pub mod program_spec;
+pub mod props;
 pub mod scene;
 pub mod schema;
 pub mod source_map;
@@ -40,6 +42,7 @@ pub use error::{SceneError, Source};
 pub use overrides::Overrides;
 pub use patch::Patch;
 pub use program_spec::ProgramSpec;
-pub use scene::{Scene, SceneSource, prop_of};
+pub use props::prop_of;
+pub use scene::{Scene, SceneSource};
 pub use strip_spec::StripSpec;
 pub use tune_spec::TuneSpec;

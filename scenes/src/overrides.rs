@@ -14,6 +14,7 @@ use motion::Kinematics;
 use motion::names::Word;
 
 use crate::conditions::{ConditionsSpec, Physics};
+use crate::props::prop_of;
 use crate::{Patch, SceneError};
 
 /// Rates a simulation may run at, Hz.
@@ -142,7 +143,7 @@ pub fn span(text: &str) -> Result<(f64, f64), String> {
 /// # Errors
 /// Syntax, numbers out of range: at their place.
 pub fn props(texts: &[String]) -> Result<Vec<Prop>, SceneError> {
-    texts.iter().enumerate().map(|(i, text)| crate::prop_of(text, i)).collect()
+    texts.iter().enumerate().map(|(i, text)| prop_of(text, i)).collect()
 }
 
 impl Overrides {

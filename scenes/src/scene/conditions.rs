@@ -8,10 +8,10 @@ use dynamics::conditions::RootMode;
 use motion::{Floor, Vec3};
 
 use super::Check;
-use super::props::props;
 use crate::SceneError;
 use crate::conditions::{ConditionsSpec, Physics};
 use crate::overrides::{RATES, SUBSTEPS, TENSIONS, set_fidelity};
+use crate::props::props;
 use crate::schema::{AssistRon, BalanceRon, GroundRon, PlaneRon, RootRon, SceneRon};
 
 impl Check<'_> {

@@ -16,11 +16,8 @@ pub mod disturbances;
 pub mod edits;
 pub mod footwork;
 pub mod motion;
-mod props;
 pub mod reactive;
 pub mod script;
-
-pub use props::prop_of;
 
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
