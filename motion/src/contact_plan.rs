@@ -9,6 +9,7 @@
 //! Units and frames: s, both ends of a contact included; `world_from_point` in m, y up.
 
 use std::cmp::Ordering;
+use std::ops::Range;
 
 use thiserror::Error;
 
@@ -25,6 +26,17 @@ pub struct Contact {
     pub to_s: f64,
     /// Where it stands and how it is turned; `None` where that is not known.
     pub world_from_point: Option<Transform>,
+}
+
+impl Contact {
+    /// Its frames of a clip of so many: those whose times it has; empty where the clip has none of them.
+    pub fn frames(&self, rate_hz: f64, frames: usize) -> Range<usize> {
+        // frame times are not exact in binary
+        let first = (self.from_s * rate_hz - 1e-6).ceil().max(0.0) as usize;
+        let end = ((self.to_s * rate_hz + 1e-6).floor() + 1.0).max(0.0) as usize;
+        let end = end.min(frames);
+        first.min(end)..end
+    }
 }
 
 /// Why contacts are no plan.
