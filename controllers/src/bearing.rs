@@ -16,8 +16,8 @@ use crate::shift::{Ground, asked, com_and_spin};
 
 /// The ground bears a body that it carries this share of the weight of.
 pub(crate) const BEARS: f64 = 0.25;
-/// ... by a sole that is nearer to it than this, m.
-const NEAR_M: f64 = 0.06;
+/// ... by a sole that is no higher than this over where it usually stands, m.
+const NEAR_M: f64 = 0.04;
 /// A sole below this does not swing in a time shorter than [`GAP_S`], m.
 const LOW_M: f64 = 0.06;
 /// See [`LOW_M`], s.
@@ -72,9 +72,17 @@ pub(crate) fn borne(
     let heights: Vec<Vec<f64>> = (0..frames).map(height).collect();
     let lowest = |f: usize| (0..soles.len()).min_by(|a, b| heights[f][*a].total_cmp(&heights[f][*b]));
     rested(&mut stands, needs, clip, soles);
+    // height of each sole where it stands: guessed soles dig in and hover
+    let level: Vec<f64> = (0..soles.len())
+        .map(|s| {
+            let mut on: Vec<f64> = (0..frames).filter(|f| stands[s][*f]).map(|f| heights[f][s]).collect();
+            on.sort_by(f64::total_cmp);
+            on.get(on.len() / 2).copied().unwrap_or(0.0)
+        })
+        .collect();
     for f in 0..frames {
         let bare = needs[f].0 > BEARS && !stands.iter().any(|s| s[f]);
-        if let Some(sole) = lowest(f).filter(|s| bare && heights[f][*s] < NEAR_M) {
+        if let Some(sole) = lowest(f).filter(|s| bare && heights[f][*s] - level[*s] < NEAR_M) {
             stands[sole][f] = true;
         }
     }

@@ -92,7 +92,7 @@ impl Ground {
             }
             out.height_m.push(last);
             out.hull.push(Support::of(&all));
-            out.support.push(shared(frame));
+            out.support.push(reachable(frame));
         }
         out
     }
@@ -112,7 +112,7 @@ struct Standing {
 
 /// What soles can reach whose shares are bounded: of one, its hull; of more, of every two those with shares that sum to one. The
 /// largest share counts as all.
-fn shared(stands: &mut [Standing]) -> Support {
+fn reachable(stands: &mut [Standing]) -> Support {
     let most = stands.iter().map(|s| s.share).fold(0.0, f64::max);
     if most <= 0.0 {
         return Support::default();

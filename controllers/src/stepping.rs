@@ -46,6 +46,14 @@ pub struct Possible {
     pub measures: Measures,
 }
 
+impl Possible {
+    /// What shifts and what could not be made possible, a line each.
+    pub fn words(&self) -> impl Iterator<Item = String> {
+        let unmet = self.unmet.iter().map(|u| format!("not possible: {u}"));
+        self.shifts.iter().map(ToString::to_string).chain(unmet)
+    }
+}
+
 /// How far a possible motion is from the one asked for, and what it asks of the ground.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Measures {
@@ -103,8 +111,10 @@ pub fn possible(
     let soles: Vec<Sole> = legs.iter().map(|(_, sole)| sole.clone()).collect();
     let strength = strength(&model, &mut State::new(&model), clip, &AnalysisOptions::default());
     let mut base = motion::smooth::smooth_at(clip, strength).clip;
-    let needs = needs(&model, &base, ground_m);
-    let plan = if given { plan.clone() } else { borne(plan, &needs, &base, &soles, ground_m) };
+    // the floor of the capture, which need not be that of the performance
+    let floor_m = motion::contacts(&base, &soles).1.unwrap_or(ground_m);
+    let needs = needs(&model, &base, floor_m);
+    let plan = if given { plan.clone() } else { borne(plan, &needs, &base, &soles, floor_m) };
     let plan = motion::contacts::placed(&plan, &base, &soles, ground_m);
     let ways = treads(&base, &soles, &plan, ground_m);
     lift(&mut base, &ways);
@@ -228,7 +238,7 @@ impl Solver<'_> {
             let q = clip.pose_mut(f);
             let mut at = skeleton.position(q, 0) + shift[f];
             let asked = q.to_vec();
-            for _ in 0..40 {
+            for turn in 0..60 {
                 q.copy_from_slice(&asked);
                 skeleton.set_position(q, 0, &at);
                 for (i, (leg, foot)) in self.legs.iter().zip(&feet).enumerate() {
@@ -242,7 +252,8 @@ impl Solver<'_> {
                 if off.norm() < ARRIVED_M {
                     break;
                 }
-                at += off;
+                // a leg at its end makes whole steps swing
+                at += off * if turn < 20 { 1.0 } else { 0.5 };
             }
         }
         Ok(Solved { clip, shift: shift.to_vec(), missing })

@@ -156,6 +156,27 @@ impl ContactPlan {
         self.contacts.iter().filter(move |c| c.point == point)
     }
 
+    /// The points that ever stand, in order of their names.
+    pub fn points(&self) -> Vec<&str> {
+        let mut names: Vec<&str> = self.contacts.iter().map(|c| c.point.as_str()).collect();
+        names.sort_unstable();
+        names.dedup();
+        names
+    }
+
+    /// The part from `from_s` to `to_s`, by the clock of a motion that begins at `from_s`.
+    pub fn between(&self, from_s: f64, to_s: f64) -> Self {
+        let inside = self.contacts.iter().filter(|c| c.to_s >= from_s && c.from_s <= to_s);
+        let cut = |c: &Contact| Contact {
+            from_s: c.from_s.max(from_s) - from_s,
+            to_s: c.to_s.min(to_s) - from_s,
+            ..c.clone()
+        };
+        let mut contacts: Vec<Contact> = inside.map(cut).collect();
+        contacts.sort_by(order);
+        Self { contacts }
+    }
+
     /// The plan of the motion retimed by `times`: places stay, times follow.
     pub fn retimed(&self, times: &TimeMap) -> Self {
         let retimed =

@@ -5,7 +5,7 @@
 
 use std::path::{Path, PathBuf};
 
-use takes::{Ask, RootMode};
+use takes::{Ask, Possible, RootMode};
 
 /// Clips that stand.
 const STANDS: [&str; 8] = ["02_05", "05_06", "104_41", "127_01", "135_04", "135_08", "14_24", "14_37"];
@@ -27,7 +27,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         "| clip | s | pressure inside before | after | links RMS mm | worst frame | upper body ° | out of reach mm | shift mm | flights, frames | not possible |"
     );
     println!("|---|---|---|---|---|---|---|---|---|---|---|");
-    let mut worst: Vec<f64> = Vec::new();
+    let mut all: Vec<Possible> = Vec::new();
     for file in files {
         let mut take = takes::open(file.as_path(), &Ask::default())?;
         take.conditions.physics.root = RootMode::Free;
@@ -35,7 +35,6 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         let m = p.measures;
         let percent = |x: Option<f64>| x.map_or("–".into(), |x| format!("{:.0} %", 100.0 * x));
         let shift = p.shift.iter().map(|s| s.norm()).fold(0.0, f64::max);
-        worst.push(m.links_worst_m);
         println!(
             "| {} | {:.1} | {} | {} | {:.0} | {:.0} | {:.1} | {:.0} | {:.0} | {} | {} |",
             take.name,
@@ -58,11 +57,16 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
             }
             println!("  flights fall to within {:.1e} m/s²", m.flight_error_m_s2);
         }
+        all.push(p);
     }
+    let count = |of: &dyn Fn(&Possible) -> bool| all.iter().filter(|p| of(p)).count();
     println!(
-        "{} clips, {} within 80 mm in every frame",
-        worst.len(),
-        worst.iter().filter(|w| **w <= 0.08).count()
+        "{} clips; links within 80 mm in every frame: {}; pressure inside in 95 % of the frames: {}, before {}; nothing named: {}",
+        all.len(),
+        count(&|p| p.measures.links_worst_m <= 0.08),
+        count(&|p| p.measures.inside_after.is_some_and(|x| x >= 0.95)),
+        count(&|p| p.measures.inside_before.is_some_and(|x| x >= 0.95)),
+        count(&|p| p.unmet.is_empty()),
     );
     Ok(())
 }

@@ -95,6 +95,7 @@ impl Take {
         let stands = |s: &Stance| s.standing().next().is_some();
         self.conditions.physics.root == RootMode::Free
             && self.asked.plants.is_empty()
+            && !self.asked.contacts_given
             && self.asked.stance.as_ref().is_some_and(stands)
     }
 

@@ -28,6 +28,9 @@
 //! | `contact_row`, `contact_link` | c | indices |
 //! | `contact_point`, `contact_force` | c × 3 | m, N |
 //! | `contact_depth` | c | m |
+//! | `plan_point` | p | text: points that were to stand, by limb, link or site; these arrays are absent without |
+//! | `plan_span` | p × 2 | first and last moment, s |
+//! | `plan_place` | p × 7 | where: position (m), quaternion `w x y z`; NaN where that is not known |
 //! | `link_name`, `joint_type` | L | text |
 //! | `link_parent` | L | −1 for the root |
 //! | `link_mass`, `link_com_local`, `link_inertia` | L, L × 3, L × 9 | kg; m, kg·m², link frame |
