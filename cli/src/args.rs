@@ -198,6 +198,9 @@ pub struct RenderArgs {
     /// Character file for a clip, instead of a guessed body
     #[arg(long, value_name = "FILE.ron")]
     pub body: Option<PathBuf>,
+    /// What stands when in a clip, and where: the contacts.ron of an earlier run, edited [default: found by height and speed]
+    #[arg(long, value_name = "FILE.ron")]
+    pub contacts: Option<PathBuf>,
     /// How to read a clip.
     #[command(flatten)]
     pub clip: ClipArgs,
@@ -256,13 +259,15 @@ impl RenderArgs {
             body: self.body.clone(),
             import: self.clip.import(),
             edits: self.edit.clone(),
+            contacts: self.contacts.clone(),
             no_edits: self.no_edits,
         })
     }
 
     /// Files that are read beside those that the input names.
     pub fn reads(&self) -> Vec<PathBuf> {
-        [&self.input].into_iter().chain(&self.body).chain(&self.physics.patch).cloned().collect()
+        let given = self.body.iter().chain(&self.physics.patch).chain(&self.contacts);
+        [&self.input].into_iter().chain(given).cloned().collect()
     }
 }
 

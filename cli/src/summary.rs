@@ -73,6 +73,7 @@ fn write(out: &mut String, take: &Take, report: &Report, dir: &Path) -> std::fmt
     if let Some(shifted) = &k.shifted {
         line(out, "moved", &shifted.text)?;
     }
+    first_of(out, "steps", k.stepping.iter())?;
     if report.edit_conflicts > 0 {
         let text = format!(
             "{} fields of elements changed by more than one edit, each on what the one before left (`contrapposto inspect` lists them)",

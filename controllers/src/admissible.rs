@@ -8,6 +8,10 @@
 //! more than what brings its centre of pressure p inside (in moments: where the soles carry less than the weight, by as much
 //! less). Where nothing is outside, nothing moves.
 //!
+//! A body that steps is the same equation with other rows ([`Row`]): where the ground gives more or less than the weight, `hold`
+//! is its share; in flight it is zero, and the path is what gravity makes of it. Both directions of time count, so a weight
+//! shifts before a foot leaves. [`crate::shift`] makes these rows of a plan.
+//!
 //! In: a clip on planted feet, smooth enough to differentiate. Out: the same with the root moved horizontally and the
 //! legs solved. World frame, ground plane `(x, z)`.
 
@@ -70,7 +74,8 @@ pub fn admit(
     let height = found.iter().map(|(_, com)| com.y - ground_m).sum::<f64>() / found.len().max(1) as f64;
     // (1 + 2a) x_i − a (x_{i−1} + x_{i+1}) = beyond_i, ends held
     let a = height.max(0.2) / model.gravity.norm().max(1e-9) * clip.rate_hz * clip.rate_hz;
-    let moves = solve(&beyond, a);
+    let rows: Vec<Row> = beyond.iter().map(|&b| Row { hold: 1.0, a, b }).collect();
+    let moves = solve(&rows);
     let mut state = State::new(model);
     for (f, (_, com)) in found.iter().enumerate() {
         settle(model, &mut state, clip.pose_mut(f), plants, ground(com) + moves[f])?;
@@ -78,18 +83,31 @@ pub fn admit(
     Ok(moves)
 }
 
-/// Solves `(1 + 2a) x_i − a (x_{i−1} + x_{i+1}) = b_i` with `x = 0` at both ends (Thomas).
-fn solve(b: &[Vec2], a: f64) -> Vec<Vec2> {
-    let n = b.len();
+/// A frame of the equation of a path: `(hold + 2a) x_i − a (x_{i−1} + x_{i+1}) = b`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Row {
+    /// How much a path away from the one asked for is brought back: the share of the weight that the ground bears, ≥ 0.
+    pub hold: f64,
+    /// Its bending: the square of a time in frames, > 0.
+    pub a: f64,
+    /// What the path is moved by, m.
+    pub b: Vec2,
+}
+
+/// Solves the rows with `x = 0` at both ends (Thomas): in time and memory linear in their number. The matrix is an M-matrix, so
+/// there is one solution, and it does not grow.
+pub fn solve(rows: &[Row]) -> Vec<Vec2> {
+    let n = rows.len();
     let mut x = vec![Vec2::zeros(); n];
     if n < 3 {
         return x;
     }
     let mut upper = vec![0.0; n];
     for i in 1..n - 1 {
-        let pivot = 1.0 + 2.0 * a - a * upper[i - 1];
+        let Row { hold, a, b } = rows[i];
+        let pivot = hold + 2.0 * a - a * upper[i - 1];
         upper[i] = a / pivot;
-        x[i] = (b[i] + x[i - 1] * a) / pivot;
+        x[i] = (b + x[i - 1] * a) / pivot;
     }
     for i in (1..n - 1).rev() {
         let next = x[i + 1];
@@ -102,17 +120,25 @@ fn solve(b: &[Vec2], a: f64) -> Vec<Vec2> {
 mod tests {
     use super::*;
 
-    /// A path that is admissible stays to the bit; the solution satisfies its equation.
+    /// A path that is admissible stays to the bit; the solution satisfies its equation, in flight and on the ground.
     #[test]
     fn the_correction_solves_its_equation() {
-        let b: Vec<Vec2> = (0..50).map(|i| Vec2::new((f64::from(i) * 0.3).sin(), f64::from(i % 7))).collect();
-        let a = 37.0;
-        let x = solve(&b, a);
-        assert_eq!((x[0], x[49]), (Vec2::zeros(), Vec2::zeros()));
-        for i in 1..49 {
-            let residue = x[i] * (1.0 + 2.0 * a) - (x[i - 1] + x[i + 1]) * a - b[i];
-            assert!(residue.norm() < 1e-11, "{i}: {residue}"); // 1e-13 seen
+        for flight in [0..0, 20..33] {
+            let row = |i: usize| {
+                let f = i as f64;
+                let hold = if flight.contains(&i) { 0.0 } else { 1.0 };
+                Row { hold, a: 37.0, b: Vec2::new((f * 0.3).sin(), (i % 7) as f64) }
+            };
+            let rows: Vec<Row> = (0..50).map(row).collect();
+            let x = solve(&rows);
+            assert_eq!((x[0], x[49]), (Vec2::zeros(), Vec2::zeros()));
+            for i in 1..49 {
+                let Row { hold, a, b } = rows[i];
+                let residue = x[i] * (hold + 2.0 * a) - (x[i - 1] + x[i + 1]) * a - b;
+                assert!(residue.norm() < 1e-11, "{i}: {residue}"); // 2e-13 seen
+            }
+            let still: Vec<Row> = rows.iter().map(|r| Row { b: Vec2::zeros(), ..*r }).collect();
+            assert!(solve(&still).iter().all(|x| *x == Vec2::zeros()));
         }
-        assert_eq!(solve(&[Vec2::zeros(); 9], a), [Vec2::zeros(); 9]);
     }
 }

@@ -12,6 +12,9 @@
 //! | [`support`] | feet, and how they share the load |
 //! | [`posture`] | the pelvis shift that keeps a pose over its feet |
 //! | [`admissible`] | a path whose ground reaction stays inside its soles |
+//! | [`shift`] | the same over a plan of contacts: weights that shift before feet leave, flights that fall |
+//! | `bearing` | the contacts of a clip where forces speak |
+//! | [`stepping`], [`unmet`] | a clip that steps, made possible; what of it is not |
 //! | [`balance`] | the reactive property that keeps a body on its feet |
 //! | [`reactive`] | the trait of properties that read the state every step |
 //! | [`gaze`] | one that keeps the eyes on a point |
@@ -24,6 +27,7 @@ pub mod admissible;
 pub mod antagonist;
 pub mod assist;
 pub mod balance;
+mod bearing;
 pub mod controller;
 pub mod drive;
 pub mod feed;
@@ -33,10 +37,13 @@ pub mod parameters;
 pub mod plan;
 pub mod posture;
 pub mod reactive;
+pub mod shift;
+pub mod stepping;
 pub mod stops;
 pub mod support;
 pub mod tension;
 pub mod transition;
+pub mod unmet;
 
 pub use antagonist::{Antagonist, HoldError, SetPoints};
 pub use balance::{Balance, BalanceSettings, Strategy};

@@ -7,7 +7,7 @@
 
 use std::sync::Arc;
 
-use motion::{Clip, Quat, Vec3};
+use motion::{Clip, ContactPlan, Quat, Vec3};
 
 use bodies::{Carried, Character, Prop};
 
@@ -147,6 +147,8 @@ pub struct Trace {
     pub link_com: Vec<f64>,
     /// Pushes, tilted ground, carried masses.
     pub disturbed: Disturbed,
+    /// What was to stand when, and where: of what was asked for, not of what happened. By the clock of the trace.
+    pub plan: ContactPlan,
     /// Red, green and blue of each link, where the body has a colour; empty where it has none. Only drawn.
     pub colors: Vec<Option<[u8; 3]>>,
     /// Kinetic and potential energy, `rows × 2`, J; potential from height zero.
@@ -340,6 +342,10 @@ impl Trace {
             disturbed,
             energy: part(&self.energy),
             character: self.character.clone(),
+            plan: {
+                let time = |row: usize| row as f64 / self.rate_hz;
+                self.plan.between(time(rows.start), time(rows.end - 1))
+            },
             colors: self.colors.clone(),
             ..*self
         }

@@ -62,6 +62,7 @@ fn lying(mass: f64) -> Trace {
         momentum: zeros(6),
         link_com: Vec::new(),
         disturbed: Disturbed::default(),
+        plan: motion::ContactPlan::default(),
         colors: Vec::new(),
         energy: zeros(2),
         wall_s: 0.0,

@@ -69,6 +69,7 @@ fn projectile(rows: usize, substeps: usize) -> Trace {
         link_com: Vec::new(),
         disturbed: dynamics::Disturbed::default(),
         energy: vec![0.0; rows * 2],
+        plan: motion::ContactPlan::default(),
         colors: Vec::new(),
         wall_s: 12.3,
     };

@@ -10,7 +10,7 @@ use bodies::anthropometry::human::human;
 use dynamics::{Against, ContactSample, Disturbed, Handed, RootMode, Trace};
 use formats::TraceFileError;
 use formats::trace_npz;
-use motion::{Joint, Range, Shape, Vec3};
+use motion::{Contact, ContactPlan, Joint, Quat, Range, Shape, Transform, Vec3};
 use zip::write::SimpleFileOptions;
 use zip::{CompressionMethod, ZipArchive, ZipWriter};
 
@@ -71,6 +71,19 @@ fn sample(rows: usize) -> Trace {
         link_com: numbers(rows * 3 * links),
         disturbed: disturbed(rows),
         energy: numbers(rows * 2),
+        plan: ContactPlan::new(vec![
+            Contact { point: "leg_l".into(), from_s: 0.0, to_s: 0.5, world_from_point: None },
+            Contact {
+                point: "leg_r".into(),
+                from_s: 0.25,
+                to_s: 0.75,
+                world_from_point: Some(Transform::from_parts(
+                    Vec3::new(0.1, -0.02, 0.3).into(),
+                    Quat::from_euler_angles(0.1, 0.7, -0.2),
+                )),
+            },
+        ])
+        .unwrap(),
         colors: vec![None, Some([0, 128, 255])].into_iter().cycle().take(links).collect(),
         wall_s: 0.0,
         character: Arc::new(character),

@@ -9,6 +9,7 @@
 //! Units and frames: s, both ends of a contact included; `world_from_point` in m, y up.
 
 use std::cmp::Ordering;
+use std::ops::Range;
 
 use thiserror::Error;
 
@@ -25,6 +26,17 @@ pub struct Contact {
     pub to_s: f64,
     /// Where it stands and how it is turned; `None` where that is not known.
     pub world_from_point: Option<Transform>,
+}
+
+impl Contact {
+    /// Its frames of a clip of so many: those whose times it has; empty where the clip has none of them.
+    pub fn frames(&self, rate_hz: f64, frames: usize) -> Range<usize> {
+        // frame times are not exact in binary
+        let first = (self.from_s * rate_hz - 1e-6).ceil().max(0.0) as usize;
+        let end = ((self.to_s * rate_hz + 1e-6).floor() + 1.0).max(0.0) as usize;
+        let end = end.min(frames);
+        first.min(end)..end
+    }
 }
 
 /// Why contacts are no plan.
@@ -142,6 +154,27 @@ impl ContactPlan {
     /// The contacts of one point, in order.
     pub fn of<'a>(&'a self, point: &'a str) -> impl Iterator<Item = &'a Contact> {
         self.contacts.iter().filter(move |c| c.point == point)
+    }
+
+    /// The points that ever stand, in order of their names.
+    pub fn points(&self) -> Vec<&str> {
+        let mut names: Vec<&str> = self.contacts.iter().map(|c| c.point.as_str()).collect();
+        names.sort_unstable();
+        names.dedup();
+        names
+    }
+
+    /// The part from `from_s` to `to_s`, by the clock of a motion that begins at `from_s`.
+    pub fn between(&self, from_s: f64, to_s: f64) -> Self {
+        let inside = self.contacts.iter().filter(|c| c.to_s >= from_s && c.from_s <= to_s);
+        let cut = |c: &Contact| Contact {
+            from_s: c.from_s.max(from_s) - from_s,
+            to_s: c.to_s.min(to_s) - from_s,
+            ..c.clone()
+        };
+        let mut contacts: Vec<Contact> = inside.map(cut).collect();
+        contacts.sort_by(order);
+        Self { contacts }
     }
 
     /// The plan of the motion retimed by `times`: places stay, times follow.

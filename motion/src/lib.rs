@@ -9,10 +9,12 @@
 //! | [`clip`] | uniformly sampled poses |
 //! | [`time_map`] | strictly increasing maps of time; retimed clips |
 //! | [`contact_plan`] | which point stands, from when to when, and where |
+//! | [`mod@contacts`] | the contact plan of a clip, found by height and speed |
 //! | [`derivatives`] | velocities and accelerations |
 //! | [`mod@smooth`] | a smoother that minimises acceleration noise |
 //! | [`curve`] | named transition curves |
 //! | [`dof`] | degrees of freedom as scripts name them, and their values |
+//! | [`tread`] | ways of feet that stand where a plan says, and roll without slipping |
 //! | [`track`] | transition-element tracks: the editable form of a motion |
 //! | [`script`] | actions, cycles, poses: the written form of a motion |
 //! | [`timing`] | what muscles know of a written motion |
@@ -37,6 +39,7 @@
 
 pub mod clip;
 pub mod contact_plan;
+pub mod contacts;
 pub mod curve;
 pub mod derivatives;
 pub mod dof;
@@ -63,9 +66,11 @@ pub mod symmetry;
 pub mod time_map;
 pub mod timing;
 pub mod track;
+pub mod tread;
 
 pub use clip::Clip;
 pub use contact_plan::{Contact, ContactPlan};
+pub use contacts::contacts;
 pub use curve::{Curve, CurveName, smoothstep};
 pub use derivatives::Derivatives;
 pub use dof::{Dof, Value};

@@ -71,7 +71,10 @@ pub fn plant(skeleton: &Skeleton, q: &mut [f64], plants: &[Plant]) -> Result<f64
 }
 
 /// How far the root must come down so that every plant is within reach, m; zero if it need not.
-fn shortfall(skeleton: &Skeleton, q: &[f64], plants: &[Plant]) -> Result<f64, IkError> {
+///
+/// # Errors
+/// Limbs that two-bone IK cannot solve, see [`IkError`].
+pub fn shortfall(skeleton: &Skeleton, q: &[f64], plants: &[Plant]) -> Result<f64, IkError> {
     let kinematics = Kinematics::new(skeleton, q);
     let mut lower: f64 = 0.0;
     for p in plants {

@@ -24,6 +24,12 @@ impl Sole {
         self.corners.iter().map(|(link, at)| k.point(*link, at))
     }
 
+    /// The corners in the frame of [`Sole::link`], m, whatever the pose: links of one sole do not move against each other.
+    pub fn in_link(&self, k: &Kinematics) -> Vec<Vec3> {
+        let back = k.world[self.link].inverse();
+        self.points(k).map(|p| back.transform_point(&p.into()).coords).collect()
+    }
+
     /// Middle of the corners, world, m; the origin without corners.
     pub fn center(&self, k: &Kinematics) -> Vec3 {
         self.points(k).sum::<Vec3>() / self.corners.len().max(1) as f64

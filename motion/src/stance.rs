@@ -180,7 +180,7 @@ pub fn place(clip: &Clip, sole: &Sole, frames: Range<usize>, ground_m: f64) -> T
 }
 
 /// Unit normal of the plane through points; `None` if they lie on a line.
-fn normal(points: &[Vec3]) -> Option<Vec3> {
+pub(crate) fn normal(points: &[Vec3]) -> Option<Vec3> {
     let center: Vec3 = points.iter().sum::<Vec3>() / points.len().max(1) as f64;
     let mut scatter = nalgebra::Matrix3::zeros();
     for p in points {

@@ -44,6 +44,31 @@ fn plans_are_sorted_and_answer_by_time_and_by_point() {
     }
 }
 
+/// A part has its own clock, and what stands at any time of it is what stood then; frames are those at whose times a point stands.
+#[test]
+fn parts_and_frames_stand_when_the_whole_does() {
+    let plan = walk();
+    let part = plan.between(0.55, 1.15);
+    assert_eq!(points(part.of("leg_l")), [("leg_l", 0.0), ("leg_l", 1.1 - 0.55)]);
+    for t in [0.0, 0.04, 0.2, 0.4, 0.6] {
+        let names = |p: &ContactPlan, t: f64| -> Vec<String> {
+            let mut names: Vec<String> = p.at(t).map(|c| c.point.clone()).collect();
+            names.sort();
+            names
+        };
+        assert_eq!(names(&part, t), names(&plan, 0.55 + t), "{t}");
+    }
+    assert_eq!(plan.between(0.0, 2.0), plan);
+    assert_eq!(plan.points(), ["heel_r", "leg_l", "leg_r"]);
+    // 30 frames a second are not exact in binary
+    for (from, to) in [(3usize, 7usize), (0, 0), (11, 29)] {
+        let c = contact("leg_l", from as f64 / 30.0, to as f64 / 30.0);
+        assert_eq!(c.frames(30.0, 30), from..to + 1);
+    }
+    assert!(contact("leg_l", 0.11, 0.12).frames(30.0, 30).is_empty());
+    assert!(contact("leg_l", 3.0, 4.0).frames(30.0, 30).is_empty());
+}
+
 #[test]
 fn contacts_follow_a_time_map_and_places_stay() {
     let plan = walk();

@@ -10,7 +10,7 @@ use std::f64::consts::{PI, TAU};
 use motion::rotation::log;
 use motion::{BallLimits, EulerOrder, Joint, Limits, Link, Range, Vec3};
 
-use crate::columns::{TIME, WIDTH, axis_name, empty_page, mark_fall, rows};
+use crate::columns::{TIME, WIDTH, axis_name, empty_page, mark_times, rows};
 use crate::excerpt::Excerpt;
 use crate::figure::Figure;
 use crate::panel::{Clock, Guide, Key, Panel, Series, Stroke, page};
@@ -53,7 +53,7 @@ pub fn joint_angles<'a>(trace: impl Into<Excerpt<'a>>, note: &str) -> Figure {
     let columns = if moving.len() > 4 { 3 } else { 2 };
     let mut panels: Vec<Panel> = moving.iter().map(|(link, _)| panel(trace, *link, rows)).collect();
     label_time(&mut panels, columns);
-    mark_fall(trace, &mut panels, &mut keys);
+    mark_times(trace, &mut panels, &mut keys);
     page(title, &shown, &keys, &panels, columns, WIDTH, 150.0)
 }
 

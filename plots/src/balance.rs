@@ -13,7 +13,7 @@ use std::collections::BTreeMap;
 use motion::support::{Vec2, ground};
 use motion::{Kinematics, Support, Vec3};
 
-use crate::columns::{TIME, WIDTH, empty_page, mark_fall, rows, vectors, weight};
+use crate::columns::{TIME, WIDTH, empty_page, mark_times, rows, vectors, weight};
 use crate::excerpt::Excerpt;
 use crate::figure::Figure;
 use crate::gains::zero;
@@ -46,7 +46,7 @@ pub fn center_of_mass<'a>(trace: impl Into<Excerpt<'a>>, note: &str) -> Figure {
         Key::dot("start", INK),
     ];
     let mut over_time = [margin(trace, &com[..rows], &supports), com_height(trace, &com[..rows])];
-    mark_fall(trace, &mut over_time, &mut keys);
+    mark_times(trace, &mut over_time, &mut keys);
     let (width, height, gap) = (WIDTH, 620.0, 24.0);
     let top = header(&mut Figure::new(width, 100.0), title, note, &keys);
     let mut figure = Figure::new(width, top + height + 0.6 * MARGIN);

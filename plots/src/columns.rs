@@ -2,13 +2,14 @@
 //!
 //! In: a [`Trace`]. Out: series and vectors per row. SI units.
 
+use bodies::Character;
 use dynamics::Trace;
-use motion::Vec3;
+use motion::{ContactPlan, Vec3};
 
 use crate::excerpt::Excerpt;
 use crate::figure::Figure;
-use crate::panel::{Key, Panel, Stroke, VerticalGuide, page};
-use crate::style::Color;
+use crate::panel::{Bar, Key, Panel, Stroke, VerticalGuide, page};
+use crate::style::{BLUE, Color, GREEN, PURPLE, VERMILION};
 
 /// Width of the pages with panels, px.
 pub const WIDTH: f64 = 1500.0;
@@ -43,8 +44,30 @@ pub fn axis_name(axis: &Vec3, number: usize) -> String {
     (number + 1).to_string()
 }
 
-/// Marks the fall of a run, and the loss that led to it, on panels over time; the legend gets their names.
-pub fn mark_fall(trace: &Excerpt, panels: &mut [Panel], keys: &mut Vec<Key>) {
+/// Colours of points that stand; the first two are those of the feet in all figures of forces.
+const STAND: [Color; 4] = [BLUE, VERMILION, GREEN, PURPLE];
+
+/// The points of a plan, legs first in the order of their feet, each with its colour and its times, by a clock that has the plan's zero at
+/// `start_s`.
+pub fn stands(character: &Character, plan: &ContactPlan, start_s: f64) -> Vec<(String, Bar)> {
+    let foot = |name: &str| character.legs().find(|leg| leg.name == name).map(|leg| leg.end);
+    let mut points = plan.points();
+    points.sort_by_key(|name| foot(name).unwrap_or(usize::MAX));
+    let bar = |(i, name): (usize, &str)| {
+        let spans = plan.of(name).map(|c| [start_s + c.from_s, start_s + c.to_s]).collect();
+        (name.to_owned(), Bar { spans, color: STAND[i.min(STAND.len() - 1)] })
+    };
+    points.into_iter().enumerate().map(bar).collect()
+}
+
+/// Marks what is to stand, as bars under the axis, and the fall of a run with the loss that led to it, on panels over time; the legend
+/// gets their names.
+pub fn mark_times(trace: &Excerpt, panels: &mut [Panel], keys: &mut Vec<Key>) {
+    let stands = stands(&trace.character, &trace.plan, trace.clock().start_s);
+    keys.extend(stands.iter().map(|(name, bar)| Key::area(&format!("{name} is to stand"), bar.color)));
+    for panel in panels.iter_mut().filter(|p| p.message.is_empty()) {
+        panel.bars = stands.iter().map(|(_, bar)| bar.clone()).collect();
+    }
     let Some(fall) = trace.fall() else { return };
     let mut lines = vec![VerticalGuide { x: fall.time_s, color: FALL, stroke: Stroke::Solid }];
     keys.push(Key::line("the body has fallen", FALL));

@@ -6,7 +6,7 @@
 use motion::Vec3;
 
 use crate::angles::label_time;
-use crate::columns::{WIDTH, empty_page, mark_fall, rows, weight};
+use crate::columns::{WIDTH, empty_page, mark_times, rows, weight};
 use crate::excerpt::Excerpt;
 use crate::figure::Figure;
 use crate::gains::zero;
@@ -86,7 +86,7 @@ pub fn contact_forces<'a>(trace: impl Into<Excerpt<'a>>, note: &str) -> Figure {
         keys.push(Key::line("total", INK));
     }
     keys.push(Key::dashed("body weight", REFERENCE));
-    mark_fall(trace, &mut panels, &mut keys);
+    mark_times(trace, &mut panels, &mut keys);
     page(title, note, &keys, &panels, 1, WIDTH, 200.0)
 }
 

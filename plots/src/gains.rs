@@ -12,7 +12,7 @@ use motion::rotation::exp;
 use motion::{BallLimits, Joint, Limits, Range, Vec3};
 
 use crate::angles::{ball_axes, label_time};
-use crate::columns::{empty_page, mark_fall, rows};
+use crate::columns::{empty_page, mark_times, rows};
 use crate::excerpt::Excerpt;
 use crate::figure::Figure;
 use crate::panel::{Guide, Key, Panel, Series, Stroke, page};
@@ -87,7 +87,7 @@ pub fn gains_and_torques<'a>(trace: impl Into<Excerpt<'a>>, note: &str) -> Figur
     ];
     let mut panels: Vec<Panel> = working.iter().flat_map(|w| w.panels(trace)).collect();
     label_time(&mut panels, COLUMNS.min(2 * working.len()));
-    mark_fall(trace, &mut panels, &mut keys);
+    mark_times(trace, &mut panels, &mut keys);
     page(title, &shown, &keys, &panels, COLUMNS, 1600.0, 150.0)
 }
 

@@ -7,7 +7,7 @@
 use motion::Vec3;
 
 use crate::angles::{COLORS, label_time};
-use crate::columns::{WIDTH, empty_page, mark_fall, rows, short, vectors, weight};
+use crate::columns::{WIDTH, empty_page, mark_times, rows, short, vectors, weight};
 use crate::excerpt::Excerpt;
 use crate::figure::Figure;
 use crate::gains::zero;
@@ -65,6 +65,6 @@ pub fn momenta<'a>(trace: impl Into<Excerpt<'a>>, note: &str) -> Figure {
         Key::line("z, forward", COLORS[2]),
         Key::dashed("body weight", REFERENCE),
     ];
-    mark_fall(trace, &mut panels, &mut keys);
+    mark_times(trace, &mut panels, &mut keys);
     page(title, note, &keys, &panels, 1, WIDTH, 180.0)
 }

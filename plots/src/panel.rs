@@ -118,12 +118,45 @@ pub struct Panel {
     pub degrees: bool,
     /// Names of the curves in their colours, on the right of the title.
     pub tags: Vec<(String, Color)>,
+    /// Bars under the horizontal axis, the first on top: times in which something holds.
+    pub bars: Vec<Bar>,
     /// Horizontal bands behind the curves, as far as the axis reaches.
     pub bands: Vec<Band>,
     /// The vertical axis goes no higher, whatever the curves do; they are cut there.
     pub ceiling: Option<f64>,
     /// Stands in the middle of an empty frame: why there is nothing to see.
     pub message: String,
+}
+
+/// Times in which something holds.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Bar {
+    /// First and last moment of each, data units; not drawn beyond the ends of the axis.
+    pub spans: Vec<[f64; 2]>,
+    /// Colour; a legend says what it means.
+    pub color: Color,
+}
+
+/// Height of a bar and of the gap over it, px.
+const BAR: f64 = 4.0;
+const BAR_GAP: f64 = 2.0;
+
+/// Height of so many bars, px.
+pub(crate) fn bars_height(count: usize) -> f64 {
+    count as f64 * (BAR + BAR_GAP)
+}
+
+/// Draws bars under the point at `at`, over a width of so many px: `across` says where a moment is, from 0 to 1.
+pub(crate) fn draw_bars(figure: &mut Figure, bars: &[Bar], at: Px, width: f64, across: impl Fn(f64) -> f64) {
+    for (i, bar) in bars.iter().enumerate() {
+        let y = at[1] + bars_height(i) + BAR_GAP;
+        for [from, to] in &bar.spans {
+            let (from, to) = (across(*from).clamp(0.0, 1.0), across(*to).clamp(0.0, 1.0));
+            if from < to {
+                figure.rectangle([at[0] + from * width, y], [(to - from) * width, BAR], bar.color);
+            }
+        }
+    }
 }
 
 /// A range of values with a meaning.
@@ -243,7 +276,8 @@ pub fn page(
     let above = LABEL * 1.7;
     let row_height = |row: usize| {
         let labelled = panels[row * columns..].iter().take(columns).any(|p| !p.x_label.is_empty());
-        above + panel_height + SMALL * 1.7 + if labelled { LABEL * 1.6 } else { 2.0 }
+        let bars = panels[row * columns..].iter().take(columns).map(|p| p.bars.len()).max().unwrap_or(0);
+        above + panel_height + bars_height(bars) + SMALL * 1.7 + if labelled { LABEL * 1.6 } else { 2.0 }
     };
     let height = top + (0..rows).map(row_height).sum::<f64>() + MARGIN * 0.6;
     let mut figure = Figure::new(width, height);
@@ -266,7 +300,9 @@ pub fn page(
 
 /// Draws one panel, labels included, into the rectangle at `at` of `size`.
 pub(crate) fn place(figure: &mut Figure, panel: &Panel, at: Px, size: Px) {
-    let below = SMALL * 1.7 + if panel.x_label.is_empty() { 2.0 } else { LABEL * 1.6 };
+    let below = bars_height(panel.bars.len())
+        + SMALL * 1.7
+        + if panel.x_label.is_empty() { 2.0 } else { LABEL * 1.6 };
     let above = LABEL * 1.7;
     let height = (size[1] - above - below).max(40.0);
     let labelled = !panel.y_label.is_empty();
@@ -327,6 +363,9 @@ impl Panel {
             ]
         };
         let (right, bottom) = (frame.at[0] + w, frame.at[1] + h);
+        let barred = bars_height(self.bars.len());
+        let across = |t: f64| (t - x[0]) / (x[1] - x[0]);
+        draw_bars(figure, &self.bars, [frame.at[0], bottom], w, across);
 
         let empty = !self.message.is_empty();
         for band in self.bands.iter().filter(|_| !empty) {
@@ -346,7 +385,7 @@ impl Panel {
         for t in ticks(x, x_step).into_iter().filter(|_| !empty) {
             let at = px(&[t, 0.0])[0];
             figure.line(vec![[at, frame.at[1]], [at, bottom]], style::GRID, THIN);
-            let label = [at, bottom + SMALL * 1.4];
+            let label = [at, bottom + barred + SMALL * 1.4];
             figure.text(number(t, x_step), label, SMALL, style::SOFT, Anchor::Middle);
         }
         for (area, color) in &self.areas {
@@ -425,7 +464,7 @@ impl Panel {
             return;
         }
         if !self.x_label.is_empty() {
-            let at = [l + w / 2.0, bottom + SMALL * 1.7 + LABEL];
+            let at = [l + w / 2.0, bottom + barred + SMALL * 1.7 + LABEL];
             figure.text(self.x_label.as_str(), at, LABEL, style::INK, Anchor::Middle);
         }
         if !self.y_label.is_empty() {

@@ -10,7 +10,7 @@ use motion::Vec3;
 use motion::skeleton::vec_at;
 
 use crate::angles::{COLORS, label_time};
-use crate::columns::{WIDTH, empty_page, mark_fall, rms, rows, short, vectors, weight};
+use crate::columns::{WIDTH, empty_page, mark_times, rms, rows, short, vectors, weight};
 use crate::excerpt::Excerpt;
 use crate::figure::Figure;
 use crate::gains::zero;
@@ -77,7 +77,7 @@ pub fn momentum_residual<'a>(trace: impl Into<Excerpt<'a>>, note: &str) -> Figur
         Key::line("magnitude", INK),
     ];
     label_time(&mut panels, 1);
-    mark_fall(trace, &mut panels, &mut keys);
+    mark_times(trace, &mut panels, &mut keys);
     let height = if panels.len() > 3 { 130.0 } else { 180.0 };
     page(title, note, &keys, &panels, 1, WIDTH, height)
 }

@@ -10,12 +10,13 @@
 
 use bodies::{Character, JointClass, Prop};
 use motion::support::Vec2;
-use motion::{Clip, Floor, Joint, Kinematics, Quat, Shape, Transform, Vec3};
+use motion::{Clip, ContactPlan, Floor, Joint, Kinematics, Quat, Shape, Transform, Vec3};
 
 use crate::camera::{Camera, View, facing};
+use crate::columns::stands;
 use crate::face::{Face, Feature};
 use crate::figure::{Anchor, Figure, Px};
-use crate::panel::header;
+use crate::panel::{Bar, bars_height, draw_bars, header};
 use crate::solid::{BANDS, Facet, Solid, flat, grown, shadow, skin, solid};
 use crate::style::{self, Color, INK, LABEL, MARGIN, WHITE};
 
@@ -28,17 +29,24 @@ pub struct StripRow<'a> {
     pub clip: &'a Clip,
     /// Normal of the ground in every frame, or one that holds throughout; empty is level.
     pub ups: &'a [Vec3],
+    /// What stands when, by the clock of the clip: bars under the row. `None` draws none.
+    pub plan: Option<&'a ContactPlan>,
 }
 
 impl<'a> StripRow<'a> {
     /// On level ground.
     pub fn new(label: &'a str, clip: &'a Clip) -> Self {
-        Self { label, clip, ups: &[] }
+        Self { label, clip, ups: &[], plan: None }
     }
 
     /// On ground with these normals.
     pub fn on(self, ups: &'a [Vec3]) -> Self {
         Self { ups, ..self }
+    }
+
+    /// With bars for what stands when.
+    pub fn standing(self, plan: &'a ContactPlan) -> Self {
+        Self { plan: Some(plan), ..self }
     }
 
     /// Normal of the ground at a time.
@@ -131,24 +139,45 @@ pub fn film_strip_with(
     let scene = Scene::new(&rows, character, options);
     let mut figure = Figure::new(options.width, 100.0);
     let top = header(&mut figure, &title, note, &[]);
-    let layout = Layout::new(&scene, options, top);
+    let bars: Vec<Vec<Bar>> = rows.iter().map(|row| bars(row, character)).collect();
+    let most = bars.iter().map(Vec::len).max().unwrap_or(0);
+    let layout = Layout { bars: bars_height(most), ..Layout::new(&scene, options, top) };
     figure = Figure::new(options.width, layout.page_height(rows.len()));
     header(&mut figure, &title, note, &[]);
     for (r, row) in rows.iter().enumerate() {
         layout.floor(&mut figure, r);
         let (_, top) = layout.row(r);
         figure.text(row.label, [MARGIN + 14.0, top + LABEL + 9.0], LABEL + 2.0, INK, Anchor::Start);
+        if let [first, .., last] = scene.times[..] {
+            let [from, to] = [0, options.count - 1].map(|i| layout.slot_middle(i));
+            let at = [from, layout.row(r).0 + layout.under];
+            draw_bars(&mut figure, &bars[r], at, to - from, |t| (t - first) / (last - first));
+        }
         for (i, frame) in scene.rows[r].iter().enumerate() {
             layout.shadows(&mut figure, r, i, frame);
         }
         for (i, frame) in scene.rows[r].iter().enumerate() {
             layout.body(&mut figure, r, i, frame);
-            let at = [layout.slot_middle(i), layout.row(r).0 + layout.under + LABEL + 6.0];
+            let at = [layout.slot_middle(i), layout.row(r).0 + layout.under + layout.bars + LABEL + 6.0];
             let time = format!("{:.2} s{}", scene.times[i], frame.away.map_or(String::new(), away));
             figure.text(time, at, LABEL, style::SOFT, Anchor::Middle);
         }
     }
     figure
+}
+
+/// What stands when in a row, in the colours of the links.
+fn bars(row: &StripRow, character: &Character) -> Vec<Bar> {
+    let Some(plan) = row.plan else { return Vec::new() };
+    let skeleton = &character.skeleton;
+    let tints = tints(character);
+    let color = |name: &str| {
+        let limb = skeleton.limb(name).map(|limb| limb.end);
+        let link = limb.or(skeleton.site(name).map(|site| site.link)).or(skeleton.link(name));
+        link.map_or(MIDDLE, |link| tints[link])
+    };
+    let stands = stands(character, plan, 0.0);
+    stands.into_iter().map(|(name, bar)| Bar { color: color(&name), ..bar }).collect()
 }
 
 /// One figure: groups of solids back to front and shadows, m, about the figure's own origin on the floor.
@@ -510,6 +539,8 @@ pub(crate) struct Layout {
     under: f64,
     top: f64,
     width: f64,
+    /// Height of the bars under a row, px.
+    bars: f64,
 }
 
 /// Between rows, and above a row's highest figure, px.
@@ -537,11 +568,12 @@ impl Layout {
             under: -low * scale + 10.0,
             top: top + 4.0,
             width,
+            bars: 0.0,
         }
     }
 
     fn row_height(&self) -> f64 {
-        self.over + self.under + TIMES
+        self.over + self.under + self.bars + TIMES
     }
 
     pub(crate) fn page_height(&self, rows: usize) -> f64 {

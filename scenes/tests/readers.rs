@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use dynamics::RootMode;
-use motion::{Curve, Value, Vec3};
+use motion::{Contact, ContactPlan, Curve, Transform, Value, Vec3};
 use retarget::contacts::Phase;
 use retarget::{Puppet, SizeRatio};
 use scenes::character_file::read_file;
@@ -350,6 +350,48 @@ fn contacts_are_read_and_refused() {
         assert!(said.contains(words) && said.contains("contacts.ron:1:"), "{text}: {said}");
     }
     assert!(contact_file::read(&dir.path().join("none.ron"), &lamp, 1.0).is_err());
+}
+
+/// A plan with places is read back to a tenth of a millimetre and a thousandth of a degree; places that are not one for each contact,
+/// or of steps that find their own, are refused.
+#[test]
+fn plans_with_places_are_read_and_refused() {
+    let dir = tempfile::tempdir().unwrap();
+    let path = dir.path().join("contacts.ron");
+    let place = Transform::from_parts(
+        Vec3::new(0.123_456, -0.02, 1.5).into(),
+        motion::rotation::quat_from_deg([2.0, 33.3333, -1.0]),
+    );
+    let contact =
+        |from_s, to_s, world_from_point| Contact { point: "leg_l".into(), from_s, to_s, world_from_point };
+    let plan =
+        ContactPlan::new(vec![contact(0.0, 0.5, Some(place)), contact(0.75, 1.0, Some(place))]).unwrap();
+    let names = ["leg_l", "leg_r"];
+    std::fs::write(&path, contact_file::plan_text(&names, &plan)).unwrap();
+    let back = contact_file::read_plan(&path, &names, 1.0).unwrap_or_else(|e| panic!("{e}"));
+    for (a, b) in plan.contacts().iter().zip(back.contacts()) {
+        assert_eq!((&a.point, a.from_s, a.to_s), (&b.point, b.from_s, b.to_s));
+        let (a, b) = (a.world_from_point.unwrap(), b.world_from_point.unwrap());
+        assert!((a.translation.vector - b.translation.vector).norm() < 1e-4);
+        assert!(a.rotation.angle_to(&b.rotation) < 1e-5);
+    }
+    let at = "At(at_m: (0, 0, 0), rotation_deg: (0, 0, 0))";
+    for (text, words) in [
+        (format!("(points: {{\"leg_l\": [(0, 1)]}}, places: {{\"leg_l\": [{at}, {at}]}})"), "2 places; allowed: one for each of the 1"),
+        (format!("(points: {{}}, places: {{\"leg_x\": [{at}]}})"), "unknown contact point `leg_x`"),
+        ("(points: {\"leg_l\": [(0, 1)]}, places: {\"leg_l\": [At(at_m: (0, inf, 0), rotation_deg: (0, 0, 0))]})".into(), "not finite"),
+    ] {
+        std::fs::write(&path, &text).unwrap();
+        let said = contact_file::read_plan(&path, &names, 1.0).expect_err(&text).to_string();
+        assert!(said.contains(words) && said.contains("contacts.ron:1:"), "{text}: {said}");
+    }
+    std::fs::write(
+        &path,
+        format!("(points: {{\"base_left\": [(0, 1)]}}, places: {{\"base_left\": [{at}]}})"),
+    )
+    .unwrap();
+    let said = contact_file::read(&path, &lamp(), 2.0).expect_err("places of a puppet").to_string();
+    assert!(said.contains("allowed: no places"), "{said}");
 }
 
 /// A patch in a file changes the numbers it names and no other; a scene takes it, then the command line.

@@ -84,6 +84,7 @@ impl Recorder {
                 ..Disturbed::default()
             },
             energy: room(2),
+            plan: motion::ContactPlan::default(),
             colors: Vec::new(),
             wall_s: 0.0,
         };

@@ -58,6 +58,8 @@ pub struct Ask {
     pub import: ImportOptions,
     /// Edits of a clip, each the text that a scene would have in its list; scenes have their own.
     pub edits: Vec<String>,
+    /// What stands when in a clip, and where: a `contacts.ron` of an earlier run, edited; by default it is found.
+    pub contacts: Option<PathBuf>,
     /// Leave out the edits.
     pub no_edits: bool,
 }

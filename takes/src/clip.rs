@@ -17,20 +17,18 @@ use controllers::Dense;
 use dynamics::conditions::RootMode;
 use edits::{EditLog, Motion};
 use formats::bvh::{ImportOptions, ImportReport};
-use motion::stance::Stance;
-use motion::{Clip, Contact, ContactPlan, Floor, Kinematics, TimeMap};
+use motion::{Clip, Floor, Kinematics, TimeMap};
 use scenes::StripSpec;
 use scenes::library::{self, Kind};
 use scenes::scene::{self, Scene, SceneEdit};
-use scenes::{ConditionsSpec, SceneError, Source as Text, TuneSpec, character_file};
+use scenes::{ConditionsSpec, SceneError, Source as Text, TuneSpec, character_file, contact_file};
 
 use crate::clip_edits::{self, Clips};
 use crate::conditions::begin_in_time;
 use crate::error::MOST_STEPS;
-use crate::footing;
 use crate::limited::within_limits;
 use crate::pins;
-use crate::standing::stance;
+use crate::standing::{contacts, stance};
 use crate::take::{Asked, Body, ClipSource, Source, Take};
 use crate::user_programs::reactions;
 use crate::{Ask, Conditions, TakeError};
@@ -192,7 +190,7 @@ pub(crate) fn take(
     let edits: Vec<(&Text, &SceneEdit)> = of_scene.chain(asked.iter().map(|(text, e)| (text, e))).collect();
     if !ask.no_edits && !edits.is_empty() {
         // every step, also those that no standing span has
-        let (contacts, _) = footing::of(character, &unedited);
+        let (contacts, _) = contacts(character, &unedited);
         let floor_m = Some(stance(character, &unedited).ground_m);
         let motion = Motion { contacts, floor_m, ..Motion::of(given) };
         let clips =
@@ -217,7 +215,7 @@ pub(crate) fn take(
         source: Source::Clip(Box::new(ClipSource { clip: source, map, import, body: guess })),
         conditions: Conditions::resolve(&spec, scene.map_or(Ok(Vec::new()), reactions)?, &times, ground),
         asked: Asked {
-            contacts: contacts(character, &stance, clip.rate_hz),
+            contacts: contacts(character, &clip).0,
             clip,
             tracks: None,
             dense,
@@ -228,6 +226,8 @@ pub(crate) fn take(
             ignored: Vec::new(),
             limited,
             shifted: None,
+            contacts_given: false,
+            stepping: Vec::new(),
         },
         unedited,
         log,
@@ -256,7 +256,10 @@ pub(crate) fn take(
         }
         None => (take, 0.0),
     };
-    let mut take = stand_throughout(take, &shown)?;
+    let mut take = match &ask.contacts {
+        Some(file) => contacts_given(take, file)?,
+        None => stand_throughout(take, &shown)?,
+    };
     if !ask.no_edits {
         hold_pins(&mut take, &edits, shift_s)?;
     }
@@ -266,7 +269,7 @@ pub(crate) fn take(
 /// Holds the pins among edits in a take that stands or steps as it will.
 fn hold_pins(take: &mut Take, edits: &[(&Text, &SceneEdit)], shift_s: f64) -> Result<(), SceneError> {
     let stands = !take.asked.plants.is_empty();
-    let (steps, _) = footing::of(&take.body.character, &take.asked.clip);
+    let (steps, _) = contacts(&take.body.character, &take.asked.clip);
     let motion = Motion {
         contacts: if stands { take.asked.contacts.clone() } else { steps },
         floor_m: take.asked.stance.as_ref().map(|s| s.ground_m),
@@ -308,6 +311,17 @@ fn frames_of((from, to): (f64, f64), clip: &Clip, shown: &str) -> Result<Range<u
     Ok(frame(from)..(frame(to) + 1).min(clip.frames()))
 }
 
+/// A take whose contacts a person says.
+fn contacts_given(mut take: Take, file: &Path) -> Result<Take, TakeError> {
+    let names = take.contact_points();
+    let names: Vec<&str> = names.iter().map(String::as_str).collect();
+    let asked = &mut take.asked;
+    asked.contacts = contact_file::read_plan(file, &names, asked.clip.duration_s())?;
+    asked.contacts_given = true;
+    take.files.push(file.to_owned());
+    Ok(take)
+}
+
 /// A clip that stands from beginning to end, its root not pinned, is performed on planted feet.
 fn stand_throughout(take: Take, shown: &str) -> Result<Take, TakeError> {
     let Some(stance) = &take.asked.stance else { return Ok(take) };
@@ -341,33 +355,4 @@ fn lowest(character: &Character, clip: &Clip) -> Option<f64> {
     lowest.sort_by(f64::total_cmp);
     let height = lowest[lowest.len() / 50];
     height.is_finite().then_some(height)
-}
-
-/// What stands when in a clip: each leg while it does not step.
-pub(crate) fn contacts(character: &Character, stance: &Stance, rate_hz: f64) -> ContactPlan {
-    let mut all: Vec<Contact> = Vec::new();
-    for (sole, (limb, _)) in character.leg_soles().iter().enumerate() {
-        let mut standing: Option<Range<usize>> = None;
-        let mut stand = |frames: Option<Range<usize>>| {
-            if let Some(frames) = frames {
-                let time = |frame: usize| frame as f64 / rate_hz;
-                let (from_s, to_s) = (time(frames.start), time(frames.end - 1));
-                all.push(Contact { point: limb.name.clone(), from_s, to_s, world_from_point: None });
-            }
-        };
-        for span in stance.spans.iter().filter(|s| !s.frames.is_empty()) {
-            let stands = span.stands || !span.stepping.contains(&sole);
-            standing = match (stands, standing) {
-                (true, Some(before)) => Some(before.start..span.frames.end),
-                (true, None) => Some(span.frames.clone()),
-                (false, before) => {
-                    stand(before);
-                    None
-                }
-            };
-        }
-        stand(standing);
-    }
-    // spans follow one another: no two of a leg overlap
-    ContactPlan::new(all).unwrap_or_default()
 }

@@ -74,6 +74,14 @@ pub enum TakeError {
         /// Length of the clip, s.
         duration_s: f64,
     },
+    /// Contacts for what has its own.
+    #[error(
+        "{path}: --contacts is for clips; a script says itself what stands, a retargeted motion takes `contacts: \"FILE.ron\"`"
+    )]
+    Contacts {
+        /// The scene.
+        path: String,
+    },
     /// Legs that cannot be planted.
     #[error(
         "{path}: its feet cannot be planted: {source}\n  help: --root pinned performs it without the ground"

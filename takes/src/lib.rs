@@ -19,6 +19,7 @@
 //! | [`posing`] | a clip posed by dragging |
 //! | [`blocking`] | a clip as a script of a few key poses |
 //! | [`standing`] | the parts of a clip a body can perform on its own feet |
+//! | [`stepping`] | a clip that steps, made possible |
 //! | [`styles`] | style components of two takes, put into a third |
 //! | `pins` | the pins of a scene, held after every other edit |
 //! | [`perform`] | the dynamic pass |
@@ -37,7 +38,6 @@ mod clip_edits;
 pub mod conditions;
 pub mod error;
 pub mod export;
-pub mod footing;
 pub mod ignored;
 pub mod inspect;
 pub mod limited;
@@ -54,6 +54,7 @@ pub mod script;
 pub mod slides;
 pub mod standing;
 pub mod starter;
+pub mod stepping;
 pub mod styles;
 pub mod take;
 mod user_programs;
@@ -61,6 +62,7 @@ mod user_programs;
 pub use analysis::{AnalysisInput, AnalysisInputError, AnalysisSettings, AnalysisSource};
 pub use ask::{Ask, Input, is_ron};
 pub use conditions::Conditions;
+pub use controllers::stepping::Possible;
 pub use dynamics::{Analysis, RootMode, Trace};
 pub use error::TakeError;
 pub use ignored::{Ignored, Why};

@@ -98,13 +98,23 @@ impl Take {
         Performed { take: self, runs: Runs::Preview }
     }
 
-    /// Performs the take with the engine its conditions name: whole, or, of a free clip that also steps, every standing
+    /// Performs the take with the engine its conditions name, made possible where it steps: whole, or, of a free clip that also steps, every standing
     /// span by itself, in parallel; the same on any number of threads.
     ///
     /// # Errors
     /// [`PerformError`]: no such engine, legs that cannot be solved, passes that cannot start. A divergence is an outcome,
     /// not an error: its trace is kept.
     pub fn perform(self, engines: &Engines, progress: &Progress<'_>) -> Result<Performed, PerformError> {
+        let take = if self.steps_free() {
+            progress.part("making it possible");
+            self.made_possible()?.0
+        } else {
+            self
+        };
+        take.perform_as_asked(engines, progress)
+    }
+
+    fn perform_as_asked(self, engines: &Engines, progress: &Progress<'_>) -> Result<Performed, PerformError> {
         progress.part("performing");
         let runs = if self.stands_in_parts() {
             Runs::Spans(self.perform_spans(engines, progress)?)
@@ -147,6 +157,7 @@ impl Take {
         self.check_performable()?;
         let mut outcome = self.pass().run(engine, progress)?;
         outcome.trace.colors.clone_from(&self.body.colors);
+        outcome.trace.plan.clone_from(&self.asked.contacts);
         Ok(outcome)
     }
 

@@ -196,6 +196,8 @@ pub(crate) fn take(scene: &Scene, script: &ScriptSpec, ask: &Ask) -> Result<Take
             ignored,
             limited,
             shifted,
+            contacts_given: false,
+            stepping: Vec::new(),
             times: times.clone(),
         },
         unedited,

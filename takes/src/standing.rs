@@ -22,10 +22,9 @@ use motion::floor::FRICTION;
 use motion::ik::IkError;
 use motion::plant::{Knee, Plant, plant};
 use motion::stance::{self, Settings, Stance, StanceSpan};
-use motion::{Clip, Derivatives, Floor, Kinematics, Sole, Vec3};
+use motion::{Clip, Contact, ContactPlan, Derivatives, Floor, Kinematics, Sole, Vec3};
 
 use crate::Conditions;
-use crate::clip::contacts;
 use crate::take::{Asked, Source, Take};
 
 /// The centre of pressure asked for stays this far inside the soles, m.
@@ -35,6 +34,25 @@ const MARGIN: f64 = 0.02;
 pub fn stance(character: &Character, clip: &Clip) -> Stance {
     let soles: Vec<Sole> = character.leg_soles().into_iter().map(|(_, s)| s).collect();
     stance::stance(clip, &soles, &Settings::default())
+}
+
+/// When a character's feet are on the ground in a clip of it, each named by its leg, and the height of the ground, m; `None` for
+/// a body without soles. See [`motion::contacts()`].
+pub fn contacts(character: &Character, clip: &Clip) -> (ContactPlan, Option<f64>) {
+    let soles: Vec<Sole> = character.leg_soles().into_iter().map(|(_, s)| s).collect();
+    motion::contacts(clip, &soles)
+}
+
+/// The plan of limbs that stand from beginning to end.
+fn throughout(plants: &[Plant], end_s: f64) -> ContactPlan {
+    let stands = |p: &Plant| Contact {
+        point: p.limb.name.clone(),
+        from_s: 0.0,
+        to_s: end_s,
+        world_from_point: Some(p.world_from_end),
+    };
+    // each limb is planted once
+    ContactPlan::new(plants.iter().map(stands).collect()).unwrap_or_default()
 }
 
 /// Part of a clip, its first frame at time zero.
@@ -77,6 +95,7 @@ impl Take {
         let stands = |s: &Stance| s.standing().next().is_some();
         self.conditions.physics.root == RootMode::Free
             && self.asked.plants.is_empty()
+            && !self.asked.contacts_given
             && self.asked.stance.as_ref().is_some_and(stands)
     }
 
@@ -105,7 +124,7 @@ impl Take {
             unedited,
             conditions: self.conditions.shifted(-begin_s),
             asked: Asked {
-                contacts: contacts(&self.body.character, &stance, clip.rate_hz),
+                contacts: contacts(&self.body.character, &clip).0,
                 stance: Some(stance),
                 clip,
                 dense,
@@ -158,7 +177,7 @@ impl Take {
                 ..cut.conditions.clone()
             },
             asked: Asked {
-                contacts: contacts(character, &stance, clip.rate_hz),
+                contacts: throughout(&plants, clip.duration_s()),
                 stance: Some(stance),
                 plants,
                 clip,

@@ -93,6 +93,10 @@ pub struct Asked {
     pub plants: Vec<Plant>,
     /// What stands when.
     pub contacts: ContactPlan,
+    /// Whether a person said what stands when: then it is kept as it is.
+    pub contacts_given: bool,
+    /// What was made possible of a motion that steps, and what could not be, in words; empty of others.
+    pub stepping: Vec<String>,
     /// Where the feet of a clip stand and step; `None` where that is written (scripts) or not looked for.
     pub stance: Option<Stance>,
     /// From the time of the source to that of `clip`.
@@ -150,6 +154,18 @@ impl Take {
             Source::Clip(source) => Some(source),
             Source::Script | Source::Retarget(_) => None,
         }
+    }
+
+    /// Names of the points that may stand: its legs that end in soles, and what its contacts name besides.
+    pub fn contact_points(&self) -> Vec<String> {
+        let legs = self.body.character.leg_soles();
+        let mut names: Vec<String> = legs.iter().map(|(limb, _)| limb.name.clone()).collect();
+        for point in self.asked.contacts.points() {
+            if !names.iter().any(|n| n == point) {
+                names.push(point.to_owned());
+            }
+        }
+        names
     }
 
     /// Whether it is a clip as it was captured, without edits.

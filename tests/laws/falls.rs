@@ -88,6 +88,7 @@ fn carrying(link: &str, asked: &[f64], performed: &[f64]) -> bool {
         com: vec![0.0; rows * 3],
         momentum: vec![0.0; rows * 6],
         link_com: Vec::new(),
+        plan: motion::ContactPlan::default(),
         colors: Vec::new(),
         disturbed: Disturbed::default(),
         energy: vec![0.0; rows * 2],

@@ -21,7 +21,7 @@ fn slow_the_bow() {
     assert!(done.stdout.contains("root") && done.stdout.contains("free"), "{}", done.stdout);
     assert_eq!(
         place.names("out"),
-        ["dynamic.bvh", "dynamic.glb", "kinematic.bvh", "report.json", "trace.npz"]
+        ["contacts.ron", "dynamic.bvh", "dynamic.glb", "kinematic.bvh", "report.json", "trace.npz"]
     );
 
     let r = place.report("out");
@@ -170,7 +170,7 @@ fn slow_kinematic_output_replaces_dynamic_output() {
     assert_eq!(done.code, 0, "{}", done.stderr);
     assert_eq!(
         place.names("out"),
-        ["kinematic.bvh", "kinematic.glb", "notes.txt", "plots/mine.svg", "report.json"]
+        ["contacts.ron", "kinematic.bvh", "kinematic.glb", "notes.txt", "plots/mine.svg", "report.json"]
     );
     assert!(place.report("out").get("dynamic").is_none());
     assert!(gltf::Gltf::open(place.at("out/kinematic.glb")).is_ok());

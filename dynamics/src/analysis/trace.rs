@@ -86,6 +86,7 @@ pub fn trace_of(character: &Arc<Character>, given: &Clip, a: &Analysis) -> Trace
         link_com: Vec::new(),
         disturbed: crate::Disturbed::default(),
         energy,
+        plan: motion::ContactPlan::default(),
         colors: Vec::new(),
         wall_s: 0.0,
     }

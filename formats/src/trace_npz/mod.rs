@@ -31,6 +31,9 @@
 //! | `contact_against` | c | −1 the ground, −2 − p the prop p, else the other link; absent where all are of the ground |
 //! | `prop_name`, `prop_friction` | p | text; Coulomb's coefficient; these arrays are absent without props |
 //! | `prop_half`, `prop_place` | p × 3, p × 7 | half edges, m; centre (m), quaternion `w x y z`: `world_from_prop` |
+//! | `plan_point` | p | text: points that were to stand, by limb, link or site; these arrays are absent without |
+//! | `plan_span` | p × 2 | first and last moment, s |
+//! | `plan_place` | p × 7 | where: position (m), quaternion `w x y z`; NaN where that is not known |
 //! | `link_name`, `joint_type` | L | text |
 //! | `link_parent` | L | −1 for the root |
 //! | `link_mass`, `link_com_local`, `link_inertia` | L, L × 3, L × 9 | kg; m, kg·m², link frame |

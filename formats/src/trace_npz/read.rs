@@ -10,7 +10,9 @@ use std::sync::Arc;
 
 use motion::file::read_within;
 use motion::names::Word;
-use motion::{Limb, Limits, Link, Quat, Site, Skeleton, SkeletonError, Transform, Vec3};
+use motion::{
+    Contact, ContactPlan, Limb, Limits, Link, Quat, Site, Skeleton, SkeletonError, Transform, Vec3,
+};
 use nalgebra::{Matrix3, Quaternion, Translation3};
 use thiserror::Error;
 use zip::ZipArchive;
@@ -141,6 +143,7 @@ fn arrays<R: Read + Seek>(npz: &mut Arrays<R>) -> Result<Trace, TraceFileError> 
         link_com: Vec::new(),
         disturbed: dynamics::Disturbed::default(),
         contacts: Vec::new(),
+        plan: motion::ContactPlan::default(),
         colors: Vec::new(),
         wall_s: 0.0,
         character: character.clone(),
@@ -151,6 +154,7 @@ fn arrays<R: Read + Seek>(npz: &mut Arrays<R>) -> Result<Trace, TraceFileError> 
     if npz.has("link_color") {
         trace.colors = colors(&npz.integers("link_color", &[links, 3])?)?;
     }
+    trace.plan = plan(npz)?;
     trace.root = root(npz)?;
     trace.disturbed = disturbed(npz, rows, links)?;
     trace.contacts = contacts(npz, (rows, links, trace.disturbed.props.len()))?;
@@ -170,6 +174,36 @@ fn colors(numbers: &[i64]) -> Result<Vec<Option<[u8; 3]>>, TraceFileError> {
         Ok(Some([part(rgb[0])?, part(rgb[1])?, part(rgb[2])?]))
     };
     numbers.chunks_exact(3).enumerate().map(color).collect()
+}
+
+fn plan<R: Read + Seek>(npz: &mut Arrays<R>) -> Result<ContactPlan, TraceFileError> {
+    if !npz.has("plan_span") {
+        return Ok(ContactPlan::default());
+    }
+    let (shape, span) = npz.array("plan_span")?;
+    let n = shape.first().copied().unwrap_or(0);
+    check_shape("plan_span", &shape, &[n, 2])?;
+    let span = span.into_reals().map_err(fault("plan_span"))?;
+    let points = npz.texts("plan_point", &[n])?;
+    let places = npz.reals("plan_place", &[n, 7])?;
+    let mut contacts = Vec::with_capacity(n);
+    for (i, point) in points.iter().enumerate() {
+        let p = &places[7 * i..7 * i + 7];
+        let turn = Quaternion::new(p[3], p[4], p[5], p[6]);
+        let unknown = p.iter().all(|x| x.is_nan());
+        if !unknown && ((turn.norm() - 1.0).abs() > 1e-9 || !p.iter().all(|x| x.is_finite())) {
+            let allowed = "a position and a quaternion of length 1, or NaN seven times";
+            return Err(value("plan_place", i, format!("{p:?}"), allowed));
+        }
+        let place = || Transform::from_parts(Vec3::new(p[0], p[1], p[2]).into(), Quat::new_unchecked(turn));
+        contacts.push(Contact {
+            point: point.clone(),
+            from_s: span[2 * i],
+            to_s: span[2 * i + 1],
+            world_from_point: (!unknown).then(place),
+        });
+    }
+    ContactPlan::new(contacts).map_err(|e| value("plan_span", 0, e.to_string(), "contacts that are a plan"))
 }
 
 fn root<R: Read + Seek>(npz: &mut Arrays<R>) -> Result<RootMode, TraceFileError> {

@@ -4,7 +4,7 @@ use std::io::{self, BufWriter, Seek, Write};
 use std::path::Path;
 
 use motion::names::Word;
-use motion::{Joint, Skeleton, Vec3};
+use motion::{Contact, ContactPlan, Joint, Skeleton, Vec3};
 use npyz::{AutoSerialize, DType, WriteOptions, WriterBuilder};
 use zip::write::SimpleFileOptions;
 use zip::{CompressionMethod, DateTime, ZipWriter};
@@ -45,6 +45,8 @@ const UNITS: &[(&str, &str)] = &[
     ("contact_point", "m"),
     ("contact_force", "N"),
     ("contact_depth", "m"),
+    ("plan_span", "s"),
+    ("plan_place", "m, quaternion w x y z"),
     ("link_mass", "kg"),
     ("link_com_local", "m"),
     ("link_inertia", "kg·m^2"),
@@ -115,6 +117,8 @@ pub fn write<W: Write + Seek>(trace: &Trace, out: W) -> io::Result<()> {
         npz.numbers("contact_against", &[n], &c.iter().map(against).collect::<Vec<_>>())?;
     }
 
+    write_plan(&mut npz, &trace.plan)?;
+
     let n = count as u64;
     let bodies = &trace.character.bodies;
     npz.text("link_name", &[n], &links.iter().map(|l| l.name.as_str()).collect::<Vec<_>>())?;
@@ -154,6 +158,7 @@ pub fn write<W: Write + Seek>(trace: &Trace, out: W) -> io::Result<()> {
         "ground_up" => tilted(d),
         "disturbed_wrench" => !d.wrench.is_empty(),
         "root_correction" => !d.root_correction.is_empty(),
+        "plan_span" | "plan_place" => !trace.plan.is_empty(),
         _ => !name.starts_with("carried_") || !d.carried.is_empty(),
     };
     let units: Vec<&str> = UNITS.iter().filter(|u| written(u.0)).flat_map(|u| [u.0, u.1]).collect();
@@ -231,6 +236,24 @@ fn write_disturbed<W: Write + Seek>(npz: &mut Arrays<W>, d: &Disturbed) -> io::R
     let spans: Vec<i64> = c.iter().flat_map(|c| [row(c.from_row), row(c.to_row)]).collect();
     npz.numbers("carried_rows", &[n, 2], &spans)?;
     npz.table("carried_com", 3 * c.len(), &d.carried_com)
+}
+
+/// What was to stand when, where there is anything.
+fn write_plan<W: Write + Seek>(npz: &mut Arrays<W>, plan: &ContactPlan) -> io::Result<()> {
+    if plan.is_empty() {
+        return Ok(());
+    }
+    let all = plan.contacts();
+    let points: Vec<&str> = all.iter().map(|c| c.point.as_str()).collect();
+    npz.text("plan_point", &[all.len() as u64], &points)?;
+    npz.table("plan_span", 2, &all.iter().flat_map(|c| [c.from_s, c.to_s]).collect::<Vec<_>>())?;
+    let place = |c: &Contact| {
+        c.world_from_point.map_or([f64::NAN; 7], |w| {
+            let (p, r) = (w.translation.vector, w.rotation);
+            [p.x, p.y, p.z, r.w, r.i, r.j, r.k]
+        })
+    };
+    npz.table("plan_place", 7, &all.iter().flat_map(place).collect::<Vec<_>>())
 }
 
 /// What of the body is not in the arrays of the links already.

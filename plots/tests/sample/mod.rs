@@ -297,6 +297,7 @@ pub fn trace(character: &Arc<Character>, target: &Clip) -> Trace {
         link_com: Vec::new(),
         disturbed: dynamics::Disturbed::default(),
         energy: vec![0.0; rows * 2],
+        plan: motion::ContactPlan::default(),
         colors: Vec::new(),
         wall_s: 0.5,
     };

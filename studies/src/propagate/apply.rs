@@ -96,7 +96,7 @@ fn footed(clip: &Clip) -> Result<Motion, PropagateError> {
     let (character, _) = guessed.map_err(|e| feet(e.to_string()))?;
     let map = bodies::PoseMap::of_clip(clip, &character.skeleton).map_err(|e| feet(e.to_string()))?;
     let on_body = map.clip_to_character(clip, &character.skeleton);
-    let (contacts, floor_m) = takes::footing::of(&character, &on_body);
+    let (contacts, floor_m) = takes::standing::contacts(&character, &on_body);
     let theirs = |link: usize| clip.skeleton.link(&character.skeleton.links()[link].name);
     let limbs = character.skeleton.limbs().iter().filter_map(|l| {
         let (upper, lower, end) = (theirs(l.upper)?, theirs(l.lower)?, theirs(l.end)?);

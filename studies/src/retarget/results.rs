@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use retarget::Retargeted;
 use scenes::contact_file;
 use takes::results::folder::{Earlier, Folder, Plan};
-use takes::results::write::{Undrawn, write_bvh, write_figure, write_glb, write_report};
+use takes::results::write::{CONTACTS, Undrawn, was_read, write_bvh, write_figure, write_glb, write_report};
 use takes::retargeting::Session;
 use takes::{Progress, WriteError};
 
@@ -13,9 +13,6 @@ use super::{StudiedReport, figures};
 
 /// Metres in one unit of the BVH files written: centimetres.
 const UNIT: f64 = 0.01;
-
-/// The contact phases, to be edited and given to the next run.
-const CONTACTS: &str = "contacts.ron";
 
 /// What a retargeted motion leaves in the folder `dir`; [`takes::results::folder::Folder::check`] with it finds out before the
 /// motion is mapped. `reads`: files that are never replaced. Contact phases that were read from the folder itself are not written
@@ -28,8 +25,7 @@ pub fn plan<'a>(dir: &Path, reads: &'a [PathBuf]) -> Plan<'a> {
 
 /// Whether the contact phases were read from the folder they would be written into.
 fn has_contacts(dir: &Path, reads: &[PathBuf]) -> bool {
-    let own = dir.join(CONTACTS).canonicalize();
-    own.is_ok_and(|own| reads.iter().any(|read| read.canonicalize().is_ok_and(|read| read == own)))
+    was_read(&dir.join(CONTACTS), reads)
 }
 
 /// Writes everything into `dir`, and names the files in the report.

@@ -53,7 +53,7 @@ fn strip_of_edits(take: &Take) -> Figure {
     let up = ground_up(take);
     let rows = [
         StripRow::new("unedited", &take.unedited).on(&up),
-        StripRow::new("edited", &take.asked.clip).on(&up),
+        StripRow::new("edited", &take.asked.clip).on(&up).standing(&take.asked.contacts),
     ];
     let note = format!("{}: {}", take.name, take.log.edits().join(", then "));
     film_strip_with(&rows, &take.body.character, &note, &options(take))
@@ -62,7 +62,7 @@ fn strip_of_edits(take: &Take) -> Figure {
 fn strip_of_run(take: &Take, outcome: &Outcome) -> Figure {
     let (up, performed) = (ground_up(take), outcome.trace.clip());
     let rows = [
-        StripRow::new("kinematic", &take.asked.clip).on(&up),
+        StripRow::new("kinematic", &take.asked.clip).on(&up).standing(&take.asked.contacts),
         StripRow::new("dynamic", &performed).on(&outcome.trace.disturbed.ground_up),
     ];
     film_strip_with(&rows, &take.body.character, &note(take, outcome), &until(options(take), take, outcome))

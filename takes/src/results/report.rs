@@ -152,6 +152,8 @@ pub struct KinematicReport {
     pub edited: Vec<String>,
     /// How the root gave way so that the feet can carry the body; null where it did not have to.
     pub shifted: Option<ShiftedReport>,
+    /// What of a motion that steps was made possible, and what could not be, a sentence each.
+    pub stepping: Vec<String>,
 }
 
 /// An axis of a joint that its limit changed.
@@ -265,6 +267,7 @@ impl Report {
                 limited: take.asked.limited.iter().map(LimitedReport::new).collect(),
                 edited: take.log.clip_lines(),
                 shifted: take.asked.shifted.as_ref().map(ShiftedReport::new),
+                stepping: take.asked.stepping.clone(),
             },
             disturbances: DisturbanceReport::new(take),
             dynamic: outcome.map(|o| DynamicReport::new(take, o)),

@@ -12,6 +12,7 @@ use formats::bvh::WriteOptions;
 use formats::{bvh, glb, trace_npz};
 use motion::Clip;
 use plots::Figure;
+use scenes::contact_file;
 use sim::Outcome;
 
 use super::figures::{self, Draw};
@@ -19,6 +20,8 @@ use super::folder::{Earlier, Folder, FolderError, Plan, Subfolder};
 use super::report::{Report, span_folder};
 use crate::{Body, Performed, Progress, Runs, Take};
 
+/// What stands when, to be edited and given to the next run.
+pub const CONTACTS: &str = "contacts.ron";
 /// The folder of figures.
 pub const PLOTS: &str = "plots";
 
@@ -226,10 +229,19 @@ pub fn write_glb(
 }
 
 /// What a take leaves in its folder, performed or only previewed.
-fn plan(preview: bool, reads: &[PathBuf]) -> Plan<'_> {
-    const FILES: [&str; 6] =
-        ["kinematic.bvh", "kinematic.glb", "report.json", "dynamic.bvh", "dynamic.glb", "trace.npz"];
-    let planned = if preview { &FILES[..3] } else { &FILES };
+fn plan<'a>(dir: &Path, preview: bool, reads: &'a [PathBuf]) -> Plan<'a> {
+    const FILES: [&str; 7] = [
+        CONTACTS,
+        "kinematic.bvh",
+        "kinematic.glb",
+        "report.json",
+        "dynamic.bvh",
+        "dynamic.glb",
+        "trace.npz",
+    ];
+    let planned = if preview { &FILES[..4] } else { &FILES };
+    // contacts that a person wrote there stay
+    let planned = if was_read(&dir.join(CONTACTS), reads) { &planned[1..] } else { planned };
     Plan { command: "render", planned, reads, earlier: Earlier::Remove }
 }
 
@@ -239,8 +251,26 @@ impl Take {
     /// # Errors
     /// A folder that cannot be written to; a file in it that is not ours, or was read.
     pub fn check(&self, dir: &Path, what: &What, preview: bool) -> Result<(), WriteError> {
-        Ok(Folder::check(dir, &plan(preview, &reads(self, what)))?)
+        Ok(Folder::check(dir, &plan(dir, preview, &reads(self, what)))?)
     }
+}
+
+/// Whether a file is one of those that were read.
+pub fn was_read(file: &Path, reads: &[PathBuf]) -> bool {
+    let own = file.canonicalize();
+    own.is_ok_and(|own| reads.iter().any(|read| read.canonicalize().is_ok_and(|read| read == own)))
+}
+
+/// Writes what stands when, to be edited and given back; of a body without contacts nothing.
+fn write_contacts(into: &mut Subfolder<'_>, take: &Take) -> Result<(), WriteError> {
+    let names = take.contact_points();
+    if names.is_empty() {
+        return Ok(());
+    }
+    let names: Vec<&str> = names.iter().map(String::as_str).collect();
+    into.add("contacts_ron", CONTACTS)?;
+    let text = contact_file::plan_text(&names, &take.asked.contacts);
+    Ok(into.write(CONTACTS, text.as_bytes())?)
 }
 
 /// The files that a take was made of, and others that were read.
@@ -261,12 +291,20 @@ impl Performed {
     ) -> Result<Written<Report>, WriteError> {
         progress.part("writing");
         let preview = matches!(self.runs, Runs::Preview);
-        let mut folder = Folder::begin(dir, &plan(preview, &reads(&self.take, what)))?;
+        let read = reads(&self.take, what);
+        let mut folder = Folder::begin(dir, &plan(dir, preview, &read))?;
+        let keeps = was_read(&dir.join(CONTACTS), &read);
         let take = &self.take;
         let mut report = Report::new(self);
         if self.spans().is_empty() {
+            if !keeps {
+                write_contacts(&mut folder.top(), take)?;
+            }
             fill(&mut folder.top(), take, self.outcome())?;
         } else {
+            if !keeps {
+                write_contacts(&mut folder.top(), take)?;
+            }
             write_bvh(
                 &mut folder.top(),
                 "kinematic",

@@ -118,6 +118,8 @@ pub(crate) fn take(
             ignored: Vec::new(),
             limited,
             shifted: None,
+            contacts_given: spec.contacts.is_some(),
+            stepping: Vec::new(),
         },
         unedited,
         log,

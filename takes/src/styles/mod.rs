@@ -26,8 +26,8 @@ use learn::ica::{Count, IcaOptions};
 use scenes::scene::StyleSpec;
 
 use crate::Take;
-use crate::footing;
 use crate::limited::within_limits;
+use crate::standing;
 use crate::standing::stance;
 
 pub use edits::style;
@@ -70,13 +70,13 @@ fn floor_m(take: &Take) -> Option<f64> {
 
 /// The motion of a take as edits see it, with every contact of its feet.
 fn motion(take: &Take) -> Motion {
-    let (contacts, lowest_m) = footing::of(&take.body.character, &take.asked.clip);
+    let (contacts, lowest_m) = standing::contacts(&take.body.character, &take.asked.clip);
     Motion { contacts, floor_m: floor_m(take).or(lowest_m), ..Motion::of(take.asked.clip.clone()) }
 }
 
 /// A take as an example of a style. `names`: see [`Example::names`].
 fn example<'a>(take: &'a Take, names: &'a BTreeMap<String, String>) -> Example<'a> {
-    let lowest = || footing::of(&take.body.character, &take.asked.clip).1;
+    let lowest = || standing::contacts(&take.body.character, &take.asked.clip).1;
     let floor_m = floor_m(take).or_else(lowest).unwrap_or(0.0);
     Example { name: &take.name, clip: &take.asked.clip, floor_m, names }
 }

@@ -1,0 +1,387 @@
+//! Stepping: the motion of a clip made possible before it is performed.
+//!
+//! In: a clip on a body, what stands when. Out: a [`Possible`]: the plan with its places, and a clip whose feet stand there
+//! (`motion::tread`), whose centre of pressure is inside the soles and whose flights fall ([`crate::shift`]), nearest to the
+//! clip asked for; and in words what shifts, and what could not be made possible.
+//!
+//! The motion is smoothed as inverse dynamics smooths it. The upper body keeps its pose; the root moves it, and legs
+//! are solved by IK to feet that roll where they stand. Units: m, s; world frame, y up.
+
+use bodies::Character;
+use dynamics::analysis::{AnalysisOptions, strength};
+use dynamics::{Model, State};
+use motion::ik::{IkError, Reach, solve_two_bone_oriented};
+use motion::plant::{Knee, Plant, shortfall};
+use motion::support::Vec2;
+use motion::tread::{Tread, treads};
+use motion::{Clip, ContactPlan, Kinematics, Limb, Sole, Transform, Vec3};
+
+use crate::bearing::{BEARS, HELD_S, borne, needs, runs};
+use crate::shift::{Ground, asked, com_and_spin, heights, path};
+use crate::unmet::{Unmet, WeightShift};
+
+/// What legs cannot reach is made up for over this time before and after, s.
+const REACH_S: f64 = 0.06;
+/// Rounds of path and pose: legs that move change the angular momentum a little.
+const ROUNDS: usize = 4;
+/// The centre of mass is brought this near to its path, m: differences of it are accelerations.
+const ARRIVED_M: f64 = 1e-10;
+
+/// A motion that a body can perform where it steps. See the module header.
+#[derive(Clone, Debug)]
+pub struct Possible {
+    /// What stands when and where.
+    pub plan: ContactPlan,
+    /// The motion.
+    pub clip: Clip,
+    /// Height of the ground, m.
+    pub ground_m: f64,
+    /// Movement of the centre of mass, frame by frame, m.
+    pub shift: Vec<Vec3>,
+    /// The shifts worth a word.
+    pub shifts: Vec<WeightShift>,
+    /// What could not be made possible.
+    pub unmet: Vec<Unmet>,
+    /// How much of it changed.
+    pub measures: Measures,
+}
+
+impl Possible {
+    /// What shifts and what could not be made possible, a line each.
+    pub fn words(&self) -> impl Iterator<Item = String> {
+        let unmet = self.unmet.iter().map(|u| format!("not possible: {u}"));
+        self.shifts.iter().map(ToString::to_string).chain(unmet)
+    }
+}
+
+/// How far a possible motion is from the one asked for, and what it asks of the ground.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Measures {
+    /// Share of the frames on the ground whose centre of pressure is inside the soles that stand, before; `None` without any.
+    pub inside_before: Option<f64>,
+    /// And after.
+    pub inside_after: Option<f64>,
+    /// Movement of the centres of all links in all frames, RMS, m.
+    pub links_rms_m: f64,
+    /// The largest mean over the links in a frame, m.
+    pub links_worst_m: f64,
+    /// Largest turn of a link that belongs to no leg, degrees.
+    pub upper_deg: f64,
+    /// Furthest that a foot stays from its way because the leg is too short, m.
+    pub out_of_reach_m: f64,
+    /// Frames in which nothing stands.
+    pub flights: usize,
+    /// Largest difference of the acceleration of the centre of mass from gravity in flight, m/s².
+    pub flight_error_m_s2: f64,
+}
+
+/// A leg with its sole.
+struct Leg {
+    limb: Limb,
+    tread: Tread,
+    /// Whether it stands, frame by frame.
+    stands: Vec<bool>,
+}
+
+impl Leg {
+    fn new(limb: Limb, tread: Tread, plan: &ContactPlan, clip: &Clip) -> Self {
+        let mut stands = vec![false; clip.frames()];
+        plan.of(&limb.name).for_each(|c| stands[c.frames(clip.rate_hz, clip.frames())].fill(true));
+        Self { limb, tread, stands }
+    }
+}
+
+/// Makes the motion of `clip` possible on the feet of `character`, standing as `plan` says; `ground_m` is the height of the ground
+/// that contacts without a place stand on, `friction` its coefficient. A found plan gives way a little where forces
+/// speak against it (`given` false); one that a person gave does not. See the module header.
+///
+/// # Errors
+/// Legs that two-bone IK cannot solve.
+pub fn possible(
+    character: &Character,
+    clip: &Clip,
+    plan: &ContactPlan,
+    given: bool,
+    (ground_m, friction): (f64, f64),
+    gravity: Vec3,
+) -> Result<Possible, IkError> {
+    let model = Model::new(character, gravity);
+    let legs: Vec<(Limb, Sole)> =
+        character.leg_soles().into_iter().map(|(limb, sole)| (limb.clone(), sole)).collect();
+    let soles: Vec<Sole> = legs.iter().map(|(_, sole)| sole.clone()).collect();
+    let strength = strength(&model, &mut State::new(&model), clip, &AnalysisOptions::default());
+    let mut base = motion::smooth::smooth_at(clip, strength).clip;
+    // the floor of the capture, which need not be that of the performance
+    let floor_m = motion::contacts(&base, &soles).1.unwrap_or(ground_m);
+    let needs = needs(&model, &base, floor_m);
+    let plan = if given { plan.clone() } else { borne(plan, &needs, &base, &soles, floor_m) };
+    let plan = motion::contacts::placed(&plan, &base, &soles, ground_m);
+    let ways = treads(&base, &soles, &plan, ground_m);
+    lift(&mut base, &ways);
+    let legs: Vec<Leg> =
+        legs.into_iter().zip(ways).map(|((limb, _), tread)| Leg::new(limb, tread, &plan, &base)).collect();
+    let mut ground = Ground::of(&plan, &soles, &base, ground_m, friction);
+    for run in runs(base.frames(), |f| ground.hull[f].is_empty() && needs[f].0 > BEARS) {
+        // shorter ones are what smoothing leaves of a take-off
+        if run.len() as f64 >= HELD_S * base.rate_hz {
+            ground.held[run].fill(true);
+        }
+    }
+    let solver = Solver { model: &model, base: &base, legs: &legs, ground: &ground };
+    let solved = solver.solve()?;
+    let measures = solver.measures(character, clip, &solved);
+    let unmet = solver.unmet(character, clip, &solved);
+    let shifts = WeightShift::all(&solved.shift, &plan, &soles, &base);
+    Ok(Possible { plan, clip: solved.clip, ground_m, shift: solved.shift, shifts, unmet, measures })
+}
+
+/// Lifts the root as far as its soles were lifted, on average.
+fn lift(clip: &mut Clip, ways: &[Tread]) {
+    let moved: Vec<f64> = ways.iter().filter(|w| !w.flat.is_empty()).map(|w| w.moved.y).collect();
+    let by = moved.iter().sum::<f64>() / moved.len().max(1) as f64;
+    let skeleton = clip.skeleton.clone();
+    for f in 0..clip.frames() {
+        let q = clip.pose_mut(f);
+        let at = skeleton.position(q, 0) + Vec3::y() * by;
+        skeleton.set_position(q, 0, &at);
+    }
+}
+
+/// What is needed to pose the body on its path.
+struct Solver<'a> {
+    model: &'a Model,
+    base: &'a Clip,
+    legs: &'a [Leg],
+    ground: &'a Ground,
+}
+
+/// A solved motion.
+struct Solved {
+    clip: Clip,
+    shift: Vec<Vec3>,
+    /// How far each leg is from its way, frame by frame, m.
+    missing: Vec<Vec<f64>>,
+}
+
+impl Solver<'_> {
+    fn solve(&self) -> Result<Solved, IkError> {
+        let (frames, rate_hz) = (self.base.frames(), self.base.rate_hz);
+        let g = self.model.gravity.norm().max(1e-9);
+        let (com, mut spin) = com_and_spin(self.model, self.base);
+        let mut reach = vec![0.0; frames];
+        let mut shift = vec![Vec3::zeros(); frames];
+        let mut solved = self.posed(&com, &shift)?;
+        for _ in 0..ROUNDS {
+            self.lower(&solved.clip, &shift, &mut reach)?;
+            let up = heights(&com, &envelope(&reach, rate_hz), g, rate_hz, self.ground);
+            let risen: Vec<Vec3> = com.iter().zip(&up).map(|(c, y)| c + Vec3::y() * *y).collect();
+            let asked = asked(self.model, &risen, &spin, rate_hz, self.ground);
+            let across: Vec<Vec2> = path(&asked, g, rate_hz, self.ground);
+            shift = across.iter().zip(&up).map(|(x, y)| Vec3::new(x.x, *y, x.y)).collect();
+            solved = self.posed(&com, &shift)?;
+            spin = com_and_spin(self.model, &solved.clip).1;
+        }
+        Ok(solved)
+    }
+
+    /// Where the feet are in a frame: on their ways; in flight they go with the body.
+    fn feet(&self, f: usize, shift: &[Vec3]) -> Vec<Transform> {
+        let rides = self.rides(f);
+        let moved = |leg: &Leg| {
+            let way = leg.tread.way[f];
+            Transform::from_parts((way.translation.vector + shift[f] * rides).into(), way.rotation)
+        };
+        self.legs.iter().map(moved).collect()
+    }
+
+    /// How much the feet go with the body: not at all on the ground, all of it in the middle of a flight.
+    fn rides(&self, f: usize) -> f64 {
+        if !self.ground.flies(f) {
+            return 0.0;
+        }
+        let frames = self.base.frames();
+        let from = (0..f).rev().find(|x| !self.ground.flies(*x));
+        let to = (f..frames).find(|x| !self.ground.flies(*x));
+        match (from, to) {
+            (Some(a), Some(b)) => (std::f64::consts::PI * (f - a) as f64 / (b - a) as f64).sin().powi(2),
+            _ => 0.0,
+        }
+    }
+
+    /// What legs want of the height in every frame, if they cannot reach the feet of `clip` as it is.
+    fn lower(&self, clip: &Clip, shift: &[Vec3], reach: &mut [f64]) -> Result<(), IkError> {
+        for f in 0..clip.frames() {
+            let plants: Vec<Plant> = self
+                .legs
+                .iter()
+                .zip(self.feet(f, shift))
+                .filter(|(leg, _)| leg.stands[f])
+                .map(|(leg, at)| Plant { limb: leg.limb.clone(), world_from_end: at, knee: Knee::Kept })
+                .collect();
+            let by = shortfall(&clip.skeleton, clip.pose(f), &plants)?;
+            if by > 0.0 {
+                reach[f] -= by;
+            }
+        }
+        Ok(())
+    }
+
+    /// The body on its path: the root such that the centre of mass is there, legs to their feet.
+    fn posed(&self, com: &[Vec3], shift: &[Vec3]) -> Result<Solved, IkError> {
+        let skeleton = &self.base.skeleton;
+        let mut clip = self.base.clone();
+        let mut state = State::new(self.model);
+        let mut missing = vec![vec![0.0; clip.frames()]; self.legs.len()];
+        for f in 0..clip.frames() {
+            let feet = self.feet(f, shift);
+            let target = com[f] + shift[f];
+            let q = clip.pose_mut(f);
+            let mut at = skeleton.position(q, 0) + shift[f];
+            let asked = q.to_vec();
+            for turn in 0..60 {
+                q.copy_from_slice(&asked);
+                skeleton.set_position(q, 0, &at);
+                for (i, (leg, foot)) in self.legs.iter().zip(&feet).enumerate() {
+                    missing[i][f] = match solve_two_bone_oriented(skeleton, q, &leg.limb, foot)? {
+                        Reach::Clamped { residue_m } if leg.stands[f] => residue_m,
+                        Reach::Clamped { .. } | Reach::Reached => 0.0,
+                    };
+                }
+                state.update_pose(self.model, q);
+                let off = target - state.com(self.model);
+                if off.norm() < ARRIVED_M {
+                    break;
+                }
+                // a leg at its end makes whole steps swing
+                at += off * if turn < 20 { 1.0 } else { 0.5 };
+            }
+        }
+        Ok(Solved { clip, shift: shift.to_vec(), missing })
+    }
+
+    /// Distance of the pressure outside the soles in every frame that stands, m; `None` where it is not known.
+    fn beyond(&self, clip: &Clip) -> Vec<Option<f64>> {
+        let (com, spin) = com_and_spin(self.model, clip);
+        let g = self.model.gravity.norm().max(1e-9);
+        let all = asked(self.model, &com, &spin, clip.rate_hz, self.ground);
+        let one = |(f, a): (usize, &crate::shift::Asked)| {
+            if self.ground.hull[f].is_empty() {
+                return None;
+            }
+            Some((-self.ground.hull[f].margin(&a.pressure(g)?)).max(0.0))
+        };
+        all.iter().enumerate().map(one).collect()
+    }
+
+    fn measures(&self, character: &Character, given: &Clip, solved: &Solved) -> Measures {
+        let frames = given.frames();
+        let share = |clip: &Clip| {
+            let known: Vec<f64> = self.beyond(clip).into_iter().flatten().collect();
+            let inside = known.iter().filter(|by| **by < INSIDE_M).count();
+            (!known.is_empty()).then(|| inside as f64 / known.len() as f64)
+        };
+        let moved = moved(character, given, &solved.clip);
+        let all: Vec<f64> = moved.iter().flatten().copied().collect();
+        let rms = |x: &[f64]| (x.iter().map(|x| x * x).sum::<f64>() / x.len().max(1) as f64).sqrt();
+        let fall = |f: usize| {
+            let rate2 = given.rate_hz * given.rate_hz;
+            let mut state = State::new(self.model);
+            let mut com = |f: usize| {
+                state.update_pose(self.model, solved.clip.pose(f));
+                state.com(self.model)
+            };
+            ((com(f - 1) + com(f + 1) - com(f) * 2.0) * rate2 - self.model.gravity).norm()
+        };
+        let flights: Vec<usize> = (1..frames.saturating_sub(1)).filter(|f| self.ground.flies(*f)).collect();
+        Measures {
+            inside_before: share(self.base),
+            inside_after: share(&solved.clip),
+            links_rms_m: rms(&all),
+            links_worst_m: moved.iter().map(|m| rms(m)).fold(0.0, f64::max),
+            upper_deg: turned(character, given, &solved.clip),
+            out_of_reach_m: solved.missing.iter().flatten().copied().fold(0.0, f64::max),
+            flights: flights.len(),
+            flight_error_m_s2: flights.iter().map(|f| fall(*f)).fold(0.0, f64::max),
+        }
+    }
+
+    fn unmet(&self, character: &Character, given: &Clip, solved: &Solved) -> Vec<Unmet> {
+        let rate_hz = given.rate_hz;
+        let mut out = Vec::new();
+        let beyond: Vec<f64> = self.beyond(&solved.clip).into_iter().map(|x| x.unwrap_or(0.0)).collect();
+        out.extend(Unmet::spans(&beyond, PRESSED_M, rate_hz, |from_s, to_s, by_m| Unmet::Pressure {
+            from_s,
+            to_s,
+            by_m,
+        }));
+        let held: Vec<f64> = self.ground.held.iter().map(|x| f64::from(u8::from(*x))).collect();
+        out.extend(Unmet::spans(&held, 0.5, rate_hz, |from_s, to_s, _| Unmet::Held { from_s, to_s }));
+        for (leg, missing) in self.legs.iter().zip(&solved.missing) {
+            let limb = leg.limb.name.clone();
+            out.extend(Unmet::spans(missing, REACHED_M, rate_hz, |from_s, to_s, by_m| Unmet::Reach {
+                limb: limb.clone(),
+                from_s,
+                to_s,
+                by_m,
+            }));
+        }
+        let far: Vec<f64> = moved(character, given, &solved.clip)
+            .iter()
+            .map(|m| m.iter().sum::<f64>() / m.len().max(1) as f64)
+            .collect();
+        out.extend(Unmet::spans(&far, FAR_M, rate_hz, |from_s, to_s, by_m| Unmet::Far {
+            from_s,
+            to_s,
+            by_m,
+        }));
+        out
+    }
+}
+
+/// A centre of pressure outside by less is on the edge, m.
+const INSIDE_M: f64 = 1e-3;
+/// A centre of pressure outside by more is named, m.
+const PRESSED_M: f64 = 0.01;
+/// A foot further from its way is named, m.
+const REACHED_M: f64 = 0.01;
+/// A body further from what was asked is named, m.
+pub const FAR_M: f64 = 0.08;
+
+/// The least of `reach` around every frame.
+fn envelope(reach: &[f64], rate_hz: f64) -> Vec<f64> {
+    let w = (REACH_S * rate_hz).round() as usize;
+    let least = |f: usize| {
+        let around = &reach[f.saturating_sub(w)..(f + w + 1).min(reach.len())];
+        around.iter().copied().fold(0.0, f64::min)
+    };
+    (0..reach.len()).map(least).collect()
+}
+
+/// How far the centre of every link is from where it was asked, frame by frame, m.
+fn moved(character: &Character, asked: &Clip, clip: &Clip) -> Vec<Vec<f64>> {
+    let one = |f: usize| {
+        let a = Kinematics::new(&asked.skeleton, asked.pose(f));
+        let b = Kinematics::new(&clip.skeleton, clip.pose(f));
+        let links = character.bodies.iter().enumerate().filter(|(_, body)| body.mass > 0.0);
+        links.map(|(link, body)| (a.point(link, &body.com) - b.point(link, &body.com)).norm()).collect()
+    };
+    (0..clip.frames()).map(one).collect()
+}
+
+/// The largest turn of a link that no leg moves, degrees.
+fn turned(character: &Character, asked: &Clip, clip: &Clip) -> f64 {
+    let skeleton = &clip.skeleton;
+    let of_leg = |link: usize| {
+        character.legs().any(|leg| leg.upper == link || skeleton.ancestors(link).any(|l| l == leg.upper))
+    };
+    let upper: Vec<usize> = (0..skeleton.links().len()).filter(|link| !of_leg(*link)).collect();
+    let mut worst: f64 = 0.0;
+    for f in 0..clip.frames() {
+        let a = Kinematics::new(skeleton, asked.pose(f));
+        let b = Kinematics::new(skeleton, clip.pose(f));
+        for link in &upper {
+            worst = worst.max(a.world[*link].rotation.angle_to(&b.world[*link].rotation));
+        }
+    }
+    worst.to_degrees()
+}
