@@ -14,22 +14,26 @@ pub(crate) const RAMP_S: f64 = 0.16;
 const THERE_M: f64 = 1e-9;
 /// A leg is not pulled straighter than this fraction of its length, 14° of knee flexion for equal bones: near full stretch
 /// the knee jerks. What was straighter in the base may stay so.
-const STRAIGHTEST: f64 = 0.9925;
+pub(crate) const STRAIGHTEST: f64 = 0.9925;
 /// The root is lowered no faster than this frequency, Hz.
 const LOWER_HZ: f64 = 2.5;
 
 /// Where feet stood.
 pub(crate) struct Feet {
-    legs: Vec<Leg>,
+    pub(crate) legs: Vec<Leg>,
 }
 
-struct Leg {
-    limb: Limb,
+/// A limb that stands.
+pub(crate) struct Leg {
+    pub(crate) limb: Limb,
     /// `world_from_foot`, frame by frame.
     place: Vec<Transform>,
     /// 1 while it stands, 0 while it steps.
     hold: Vec<f64>,
 }
+
+/// For each leg and each frame `world_from_foot`, where it is to be brought there.
+pub(crate) type Goals = Vec<Vec<Option<Transform>>>;
 
 /// Height of the lowest link of a clip, m.
 pub(crate) fn lowest(clip: &Clip) -> f64 {
@@ -89,34 +93,47 @@ impl Feet {
 
     /// Holds the feet of the changed clip; says what could not be held.
     pub(crate) fn hold(&self, clip: &mut Clip) -> Result<Vec<String>, IkError> {
+        let goals = self.goals(&worlds(clip));
+        self.bring(clip, &goals, LOWER_HZ)
+    }
+
+    /// Where the feet of the changed clip are held.
+    pub(crate) fn goals(&self, all: &[Kinematics]) -> Goals {
+        self.legs
+            .iter()
+            .map(|leg| {
+                all.iter()
+                    .enumerate()
+                    .map(|(f, k)| {
+                        let (now, stood, w) = (k.world[leg.limb.end], leg.place[f], leg.hold[f]);
+                        if w == 0.0 {
+                            return None;
+                        }
+                        unless_there(&now, &stood)?;
+                        let away = stood.translation.vector - now.translation.vector;
+                        let at: Vec3 = now.translation.vector + away * w;
+                        Some(Transform::from_parts(at.into(), slerp(&now.rotation, &stood.rotation, w)))
+                    })
+                    .collect()
+            })
+            .collect()
+    }
+
+    /// Brings the feet to their goals, the root lowered where a leg would be too short, no faster than `lower_hz`; says what could not be
+    /// reached.
+    pub(crate) fn bring(
+        &self,
+        clip: &mut Clip,
+        goals: &Goals,
+        lower_hz: f64,
+    ) -> Result<Vec<String>, IkError> {
         if self.legs.is_empty() {
             return Ok(vec!["nothing is known of contacts: feet are not held".into()]);
         }
         let s = clip.skeleton.clone();
-        let frames = clip.frames();
-        let goals: Vec<Vec<Option<Transform>>> = {
-            let all = worlds(clip);
-            self.legs
-                .iter()
-                .map(|leg| {
-                    (0..frames)
-                        .map(|f| {
-                            let (now, stood, w) = (all[f].world[leg.limb.end], leg.place[f], leg.hold[f]);
-                            let away = stood.translation.vector - now.translation.vector;
-                            let turned = stood.rotation.angle_to(&now.rotation);
-                            if w == 0.0 || (away.norm() < THERE_M && turned < THERE_M) {
-                                return None;
-                            }
-                            let at: Vec3 = now.translation.vector + away * w;
-                            Some(Transform::from_parts(at.into(), slerp(&now.rotation, &stood.rotation, w)))
-                        })
-                        .collect()
-                })
-                .collect()
-        };
-        let lowered = self.lower(clip, &goals)?;
+        let lowered = self.lower(clip, goals, lower_hz)?;
         let mut worst: (f64, &str, usize) = (0.0, "", 0);
-        for (leg, goals) in self.legs.iter().zip(&goals) {
+        for (leg, goals) in self.legs.iter().zip(goals) {
             for (f, goal) in goals.iter().enumerate() {
                 let Some(goal) = goal else { continue };
                 if let Reach::Clamped { residue_m } =
@@ -143,7 +160,7 @@ impl Feet {
     }
 
     /// Lowers a free root where a leg would be too short; how far at most, m.
-    fn lower(&self, clip: &mut Clip, goals: &[Vec<Option<Transform>>]) -> Result<f64, IkError> {
+    fn lower(&self, clip: &mut Clip, goals: &Goals, lower_hz: f64) -> Result<f64, IkError> {
         let s = clip.skeleton.clone();
         if !matches!(s.links()[0].joint, Joint::Free) {
             return Ok(0.0);
@@ -167,7 +184,7 @@ impl Feet {
             return Ok(0.0);
         }
         // as low as needed within the time that smoothing takes, then smooth: never less than needed but by a little
-        let reach = (0.5 / LOWER_HZ * 0.5 * clip.rate_hz).round() as usize;
+        let reach = (0.5 / lower_hz * 0.5 * clip.rate_hz).round() as usize;
         let widest: Vec<f64> = (0..frames)
             .map(|f| {
                 need[f.saturating_sub(reach)..(f + reach + 1).min(frames)].iter().copied().fold(0.0, f64::max)
@@ -176,7 +193,7 @@ impl Feet {
         let smooth = if frames < 4 {
             widest
         } else {
-            let strength = lambda(LOWER_HZ.min(0.45 * clip.rate_hz), clip.rate_hz);
+            let strength = lambda(lower_hz.min(0.45 * clip.rate_hz), clip.rate_hz);
             Whittaker::new(frames, strength).smooth(&widest, 1)
         };
         let mut lowered: f64 = 0.0;
@@ -189,6 +206,12 @@ impl Feet {
         }
         Ok(lowered)
     }
+}
+
+/// A goal, unless the foot is there.
+pub(crate) fn unless_there(now: &Transform, goal: &Transform) -> Option<Transform> {
+    let away = (goal.translation.vector - now.translation.vector).norm();
+    (away >= THERE_M || goal.rotation.angle_to(&now.rotation) >= THERE_M).then_some(*goal)
 }
 
 /// Origins of the links of a clip, for measures: frame by frame, m.

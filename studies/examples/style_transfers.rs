@@ -6,6 +6,7 @@
 use std::path::Path;
 use std::time::Instant;
 
+use motion::Clip;
 use studies::style::pairs::PAIRS;
 use studies::style::{HEADING, measure};
 use takes::styles::Find;
@@ -31,10 +32,13 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         let base = open(Path::new(&clips).join(pair.base), &Ask::default())?;
         let donor = open(Path::new(&clips).join(pair.donor), &Ask::default())?;
         let began = Instant::now();
-        let outcome = measure(&base, &donor, pair.measures, &find)?;
+        let outcome = measure(&base, &donor, pair.measures, &find, pair.components)?;
         let took = began.elapsed().as_secs_f64();
         print!("{}", outcome.row(&base.name, &donor.name));
         notes += &format!("\n{} ({took:.1} s)\n{}", pair.name, outcome.log);
+        for m in outcome.moved.iter().filter(|m| !m.comes()) {
+            notes += &format!("  {} at amounts 0 to 1: {:.1?}\n", m.measure.word(), m.values);
+        }
         for c in 0..outcome.set.components() {
             notes += &format!("  {}: {}\n", c + 1, outcome.set.words(c));
         }
@@ -42,6 +46,14 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
             notes += &format!("  note: {note}\n");
         }
         if let Some(dir) = &strips {
+            // a film strip lasts as long as its longest row: the donor is cut to the base
+            let mut donor = donor.clone();
+            let (clip, nq) = (&donor.asked.clip, donor.asked.clip.skeleton.nq());
+            let most = (base.asked.clip.duration_s() * clip.rate_hz).round() as usize + 1;
+            let count = clip.frames().min(most);
+            let first = (clip.frames() - count) / 2;
+            let data = clip.data()[first * nq..(first + count) * nq].to_vec();
+            donor.asked.clip = Clip::new(clip.skeleton.clone(), clip.rate_hz, data);
             let rows = [
                 (format!("base: {}", base.name), &base),
                 (format!("{} at amount 1", pair.name), &outcome.take),

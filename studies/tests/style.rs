@@ -3,9 +3,9 @@
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
+use studies::style::measure;
 use studies::style::measures::{Content, Measure};
 use studies::style::pairs::PAIRS;
-use studies::style::{Outcome, measure};
 use takes::styles::style::{Representation, Transfer};
 use takes::styles::{Find, styled};
 use takes::{Ask, Input, Take};
@@ -24,23 +24,28 @@ fn open(clip: &str) -> Take {
     takes::open(support::shared(&format!("mocap/{clip}")), &Ask::default()).unwrap()
 }
 
-fn outcome(name: &str) -> Outcome {
-    let pair = PAIRS.iter().find(|p| p.name == name).unwrap();
-    measure(&open(pair.base), &open(pair.donor), pair.measures, &find()).unwrap()
-}
+/// Measures that do not close half of their gap, or not one way, and content that is lost: `docs/STYLE_COMPONENTS.md` says why.
+const NOT_REACHED: &[(&str, &[Measure], usize)] = &[
+    ("zombie, running", &[Measure::KneeLift], 3),
+    ("walk, happy", &[Measure::Bounce], 0),
+    ("happy walk, neutral", &[Measure::Bounce], 0),
+    ("walk, dancing", &[Measure::ArmsForward], 0),
+    ("dance, walking", &[Measure::ArmsForward], 0),
+];
 
-/// The sneak comes into the walk and nothing is lost; the lean and the arms of the run come into it too.
+/// Styles come and content stays, in all transfers of the paper but where it is said.
 #[test]
 fn slow_styles_come_and_content_stays() {
-    for name in ["walk, sneaking", "walk, running"] {
-        let outcome = outcome(name);
+    for pair in PAIRS {
+        let (base, donor) = (open(pair.base), open(pair.donor));
+        let outcome = measure(&base, &donor, pair.measures, &find(), pair.components).unwrap();
+        let known = NOT_REACHED.iter().find(|k| k.0 == pair.name).map_or((&[][..], 0), |k| (k.1, k.2));
         for m in &outcome.moved {
-            println!("{name}: {} {:.0} % {:?}", m.measure.word(), 100.0 * m.share(), m.values);
-            // the knees of a run are not in the components that tell it from a walk
-            let asked = m.measure != Measure::KneeLift;
-            assert!(m.comes() || !asked, "{name}: {m:?}"); // 95 % to 177 % seen
+            println!("{}: {} {:.0} % {:?}", pair.name, m.measure.word(), 100.0 * m.share(), m.values);
+            assert!(m.comes() || known.0.contains(&m.measure), "{}: {m:?}", pair.name);
         }
-        assert!(outcome.lost().is_empty(), "{name}: {:?}", outcome.lost());
+        let lost = outcome.lost();
+        assert!(lost.len() <= known.1, "{}: {lost:?}", pair.name);
     }
 }
 
@@ -56,7 +61,7 @@ fn slow_a_clip_that_was_not_decomposed_takes_the_style() {
     println!("trunk {before:.1}° → {after:.1}° ({donor:.1}°); {was:?} → {is:?}\n{}", take.log);
     assert!((after - before) / (donor - before) > 0.5);
     assert!((is.step_m / was.step_m - 1.0).abs() < 0.15 && (is.path_m / was.path_m - 1.0).abs() < 0.15);
-    // slip is not kept: a swinging foot under a body that crouches comes low, where nothing holds it (140 mm seen)
+    assert!(is.cadence_hz == was.cadence_hz && is.slip_mm < was.slip_mm + 2.0);
 }
 
 /// A scene names a file of components: half of the style, and an error at its place where it cannot be.

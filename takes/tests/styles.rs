@@ -33,6 +33,8 @@ struct Measures {
     looks_down: f64,
     /// Height of the pelvis, m.
     height: f64,
+    /// Standard deviation of that height, m.
+    bounce: f64,
     /// Bend of the elbows, degrees.
     elbows: f64,
     /// Standard deviation of the way of the hands along the walk against the pelvis, m.
@@ -62,6 +64,7 @@ fn measures(clip: &Clip) -> Measures {
         chest: mean(&|k| up(k).z.atan2(up(k).y).to_degrees()),
         looks_down: mean(&|k| -looks(k).y.asin().to_degrees()),
         height: mean(&|k| k.origin(0).y),
+        bounce: spread(&|k| k.origin(0).y),
         elbows: mean(&|k| 0.5 * (bend(k, "l") + bend(k, "r"))),
         swing: spread(&|k| (k.origin(link("wrist_l")) - k.origin(0)).z),
         leans: mean(&|k| {
@@ -94,6 +97,7 @@ fn styles_change_what_their_words_say() {
     assert!(sneaky.height < plain.height - 0.06 && sneaky.elbows > plain.elbows + 40.0);
     assert!(of["limping"].leans > plain.leans + 1.5 && of["limping"].height < plain.height);
     assert!(of["childish"].swing > 1.5 * plain.swing && of["childish"].elbows < plain.elbows - 4.0);
+    assert!(of["childish"].bounce > 1.2 * plain.bounce);
     // nothing of it is nothing
     let none = with(&base, "sneaky", 0.0);
     let apart = none.asked.clip.data().iter().zip(base.asked.clip.data()).map(|(a, b)| (a - b).abs());

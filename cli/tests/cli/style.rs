@@ -57,6 +57,33 @@ fn slow_components_are_written_and_transferred() {
     assert!(place.at("blend/continuum-1.bvh").is_file() && place.at("blend/plots/continuum.png").is_file());
 }
 
+/// Times that belong together are given by a person; what has to run much faster than it did, and a warp that is extreme, are said.
+#[test]
+fn gestures_are_aligned_by_anchors() {
+    let place = Place::new();
+    let (walk, sneak) = (mocap("16_16"), mocap("17_03"));
+    let run = |anchors: &[&str]| {
+        let mut args =
+            vec!["style", "transfer", "--from", &sneak, "--to", &walk, "--no-plots", "--out", "out"];
+        anchors.iter().for_each(|a| args.extend(["--anchor", a]));
+        place.run(&args)
+    };
+    let done = run(&["0=0", "4=3.6"]);
+    assert_eq!(done.code, 0, "{}", done.stderr);
+    assert!(done.stdout.contains("aligned on 2 anchors"), "{}", done.stdout);
+    assert!(!done.stdout.contains("stiff") && !done.stdout.contains("extreme"), "{}", done.stdout);
+    let done = run(&["0=0", "1=0.4", "2=3.2", "4=3.6"]);
+    assert_eq!(done.code, 0, "{}", done.stderr);
+    assert!(done.stdout.contains("the warp is extreme"), "{}", done.stdout);
+    let done = run(&["0=0", "4.2=7.5"]);
+    assert_eq!(done.code, 0, "{}", done.stderr);
+    assert!(done.stdout.contains("what was easy becomes stiff"), "{}", done.stdout);
+    for wrong in [&["0=0"][..], &["1=0", "0.5=2"], &["0=2", "1=1"]] {
+        let done = run(wrong);
+        assert_eq!(done.code, 2, "{wrong:?}: {}", done.stdout);
+    }
+}
+
 /// Faults are named and leave with code 2.
 #[test]
 fn style_refuses_what_it_cannot_do() {

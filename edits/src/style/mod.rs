@@ -17,6 +17,7 @@
 //! | `words` | what a component is, in words |
 //! | [`cycle`] | whether a series repeats itself |
 //! | [`align`] | time warping of a donor to a base |
+//! | `steps`, `knees` | feet that go the base's way, knees that bend in its plane |
 //! | [`mod@transfer`] | components of the one in the other, amounts, what is mended afterwards |
 //! | [`edit`] | the clip edit |
 //!
@@ -27,9 +28,11 @@ pub mod cycle;
 pub mod edit;
 pub mod error;
 pub mod figure;
+mod knees;
 pub mod representation;
 pub mod separate;
 pub mod set;
+mod steps;
 #[cfg(test)]
 mod tests;
 pub mod transfer;

@@ -11,23 +11,25 @@
 //! amount 0 is the base and the base's own components change nothing. Activations of a base that was not decomposed are its
 //! projection.
 //!
-//! *Afterwards*: the change is low-passed (warped activations have corners), bone lengths are restored
-//! ([`super::representation`]), the way over the ground and the heading are the base's, and feet that stand in the base
-//! stand where they stood, by two-bone IK, the root lowered where a leg would be too short.
+//! *Afterwards*: the change is low-passed (warped activations have corners; of a donor that has to run n times as fast as it did, at an
+//! n-th of the frequency), bone lengths are restored ([`super::representation`]), the way over the ground and the heading are the base's,
+//! the pelvis turns about the vertical as in the base, for it turns with the steps, and feet go the base's way by two-bone IK
+//! (`steps`), the root lowered where a leg would be too short.
 
 use std::collections::BTreeMap;
 
-use motion::TimeMap;
 use motion::names::Word;
 use motion::smooth::whittaker::{Whittaker, lambda};
 use motion::time_map::End;
+use motion::{Quat, TimeMap, Vec3};
 use nalgebra::DMatrix;
 
 use super::align::{On, aligned};
 use super::error::StyleError;
 use super::figure::{Match, Postures};
 use super::set::{StyleSet, said};
-use crate::feet::{self, Feet};
+use super::steps;
+use crate::feet;
 use crate::param::Instant;
 use crate::{Edited, Motion, Parameter};
 
@@ -88,7 +90,7 @@ pub struct Transfer {
     pub on: On,
     /// Whose timing.
     pub timing: Timing,
-    /// The change is low-passed here, Hz.
+    /// The change is low-passed here, Hz; of a donor that runs n times as fast as it did, at an n-th of it.
     pub cutoff_hz: f64,
 }
 
@@ -185,16 +187,27 @@ pub fn transfer(
             }
         }
     }
-    smoothed(&mut change, how.cutoff_hz, rate_hz);
+    smoothed(&mut change, how.cutoff_hz / mean.max(1.0), rate_hz);
     channels.own += &change * set.mixing.transpose();
     channels.carried += &change * set.carried_mixing.transpose();
     let mut styled = base.clone();
     set.coding.decode(&set.figure, &channels, &mut styled.turns, &mut styled.height);
+    if !edited.contacts.contacts().is_empty() && !set.figure.thighs().is_empty() {
+        for (styled, base) in styled.turns.iter_mut().zip(&base.turns) {
+            let by = yaw(&base[0]) - yaw(&styled[0]);
+            styled[0] = motion::rotation::exp(&(Vec3::y() * by)) * styled[0];
+        }
+    }
     let before = edited.clip.clone();
     styled.write(&mut edited.clip, &matched, floor_m);
-    let stood = Feet::of(&before, &edited.contacts);
-    notes.extend(stood.hold(&mut edited.clip)?);
+    notes.extend(steps::keep(&before, &edited.contacts, &mut edited.clip)?);
     Ok(Styled { edited, notes })
+}
+
+/// How far a turn turns what points to the left about the vertical, rad.
+fn yaw(turn: &Quat) -> f64 {
+    let left = turn * Vec3::x();
+    (-left.z).atan2(left.x)
 }
 
 /// How much of a change acts at a time: all inside the span, coming and going at ends that are not the clip's.

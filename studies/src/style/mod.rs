@@ -107,16 +107,27 @@ impl Outcome {
     }
 }
 
-/// Puts the style of one take into another, and measures. `count`: components; `None`: 95 % of the variance.
+/// Puts the style of one take into another, and measures. `components`: numbers from 1 of those that are transferred; none: those that
+/// tell the takes apart.
 ///
 /// # Errors
-/// As [`styled`].
-pub fn measure(base: &Take, donor: &Take, of: &[Measure], find: &Find) -> Result<Outcome, StylesError> {
+/// As [`styled`]; numbers of components that there are not.
+pub fn measure(
+    base: &Take,
+    donor: &Take,
+    of: &[Measure],
+    find: &Find,
+    components: &[usize],
+) -> Result<Outcome, StylesError> {
     let set = Arc::new(find.set(base, donor, false)?);
+    let put = match components {
+        [] => set.clear(),
+        numbers => set.numbered(numbers)?,
+    };
     let none = BTreeMap::new();
     let takes = AMOUNTS
         .iter()
-        .map(|a| styled(base, &set, &Transfer::of(&set, 1, *a), &none))
+        .map(|a| styled(base, &set, &Transfer::of(&set, 1, *a).only(&put, *a), &none))
         .collect::<Result<Vec<_>, _>>()?;
     let moved = of
         .iter()
@@ -133,7 +144,7 @@ pub fn measure(base: &Take, donor: &Take, of: &[Measure], find: &Find) -> Result
         .map(|(a, b)| measures::correlation(a, &b))
         .fold(1.0, f64::min);
     Ok(Outcome {
-        components: set.clear().into_iter().map(|c| c + 1).collect(),
+        components: put.iter().map(|c| c + 1).collect(),
         moved,
         content: [Content::of(base, base), Content::of(&last, base)],
         thighs,

@@ -19,6 +19,8 @@ const WALKS: (f64, f64) = (0.3, 0.74);
 
 /// Components of each: all decompositions of so many come to rest.
 const COMPONENTS: usize = 3;
+/// Of the childish walk, whose bounce is a component of its own.
+const BOUNCING: usize = 4;
 
 /// The style of this name made again: the neutral performance, and the components of both.
 ///
@@ -46,7 +48,7 @@ pub fn made(name: &str) -> Result<(Take, StyleSet), TakeError> {
     let neutral = walking(open(NEUTRAL)?);
     let styled = walking(open(&format!("walk-{name}"))?);
     let find = Find {
-        count: Some(COMPONENTS),
+        count: Some(if name == "childish" { BOUNCING } else { COMPONENTS }),
         variance: 1.0,
         representation: Representation::Positions,
         merge: Vec::new(),
