@@ -11,6 +11,9 @@ use serde::{Deserialize, Serialize};
 
 use crate::error::{FitError, Side};
 
+/// Most groups of input coordinates.
+pub const GROUPS: usize = 8;
+
 /// What left and right exchanged does to inputs and targets: signed permutations that undo themselves,
 /// `mirrored[i] = sign · vector[index]` with `(index, sign)` of coordinate `i`; signs are 1 or −1.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -166,7 +169,7 @@ impl Examples {
     /// ([`crate::RbfKernel::weights`]). Coordinates that a mirror exchanges are of one group.
     ///
     /// # Errors
-    /// Another number of them than of coordinates, [`crate::rbf::GROUPS`] or above, a mirror that exchanges groups.
+    /// Another number of them than of coordinates, [`GROUPS`] or above, a mirror that exchanges groups.
     pub fn with_groups(mut self, groups: Vec<usize>) -> Result<Self, FitError> {
         let setting = |value: usize, allowed: String| {
             Err(FitError::Setting { name: "groups", value: value as f64, allowed })
@@ -174,8 +177,8 @@ impl Examples {
         if groups.len() != self.inputs.ncols() {
             return setting(groups.len(), format!("one a coordinate: {}", self.inputs.ncols()));
         }
-        if let Some(&g) = groups.iter().find(|&&g| g >= crate::rbf::GROUPS) {
-            return setting(g, format!("below {}", crate::rbf::GROUPS));
+        if let Some(&g) = groups.iter().find(|&&g| g >= GROUPS) {
+            return setting(g, format!("below {GROUPS}"));
         }
         if let Some(mirror) = &self.mirror
             && let Some(i) = (0..groups.len()).find(|&i| groups[i] != groups[mirror.input[i].0])

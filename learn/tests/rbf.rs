@@ -456,7 +456,7 @@ fn a_rule_of_one_group_does_not_look_at_the_others() {
     let model = RbfRegression::fit(&e, &RbfOptions::default()).unwrap();
     let [a, b, c, ..] = model.kernel().weights;
     println!("{plain} without groups, {} with, weights {a} {b} {c}", rms(&model));
-    assert!(rms(&model) < 0.02 && plain > 0.3, "{plain}, {}", rms(&model));
+    assert!(rms(&model) < 0.02 && plain > 0.2, "{plain}, {}", rms(&model));
     assert!(b == 1.0 && a < 0.2 && c < 0.2, "{a} {b} {c}");
 }
 

@@ -192,7 +192,7 @@ fn many_frames_lose_little() {
         RbfOptions { exact_up_to: usize::MAX, kernel: Some(sparse.kernel()), ..RbfOptions::default() };
     let exact = RbfRegression::fit(sparse.examples(), &exact).unwrap();
     let unseen = pair(Rule::SpineByKnee, UNSEEN[0], &clip(UNSEEN[0])).unwrap();
-    let rig = Rig::of(&unseen.source.skeleton).unwrap();
+    let rig = Rig::find(&edit.rig, &unseen.source.skeleton).unwrap();
     let all: Vec<usize> = (0..unseen.source.frames()).collect();
     let x = Features::of(&rig, &unseen.source, &all, edit.options.recognised()).configuration;
     let truth = outputs::differences((&rig, &unseen.source), (&rig, &unseen.target), None);

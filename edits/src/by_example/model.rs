@@ -30,7 +30,7 @@ use super::features::{
     mirror_acceleration, mirror_configuration,
 };
 use super::rig::{Axes, Rig, RigFile};
-use super::solve::{Evidence, Form, Weights, blend};
+use super::solve::{Evidence, Form, SUREST, Weights, blend};
 use super::{Contacts, ExampleError, Outputs, Pair, outputs, poses};
 
 /// Neighbours in time do not tell how dense examples lie: those closer than this, ms.
@@ -345,6 +345,10 @@ impl ExampleEdit {
         let mut a = predict(&self.acceleration, &features.acceleration)?;
         let step_s = 1.0 / clip.rate_hz;
         let mut signals = [&self.configuration, &self.acceleration].map(signal);
+        // accelerations as sure as that would leave nothing of the configurations to rounding
+        for (a, k) in a.variance.iter_mut().zip(&k.variance) {
+            *a = a.max(CALM * k.max(SUREST * signals[0]));
+        }
         // of poses, the blend finds what is to be added to those of the source
         let source = (self.options.outputs == Outputs::Poses).then(|| poses::of(rig, clip, None));
         if let Some(source) = &source {
@@ -519,6 +523,9 @@ fn signal(model: &ExampleModel) -> f64 {
     };
     of.max(LEAST_SIGNAL)
 }
+
+/// Least variance of accelerations over that of configurations, 1/s⁴.
+const CALM: f64 = 1e-6;
 
 /// Of targets that are all zero, squared units.
 const LEAST_SIGNAL: f64 = 1e-18;

@@ -47,7 +47,7 @@ impl Default for Weights {
 }
 
 /// Least variance over σ_f²; Gaussian processes are never as sure (10⁻¹⁰).
-const SUREST: f64 = 1e-12;
+pub const SUREST: f64 = 1e-12;
 
 /// What one model says of every frame, for the blend.
 #[derive(Clone, Debug, PartialEq)]

@@ -45,7 +45,7 @@ use crate::cloud::{Cloud, Extent};
 use crate::dense::dot;
 use crate::descend::{Watch, Watched};
 use crate::error::FitError;
-use crate::examples::Examples;
+use crate::examples::{Examples, GROUPS};
 use crate::gplvm::Learning;
 use evidence::{Evidence, Range, Ranges};
 use half::{Half, exact, through};
@@ -63,8 +63,6 @@ const SIGNAL: (f64, f64) = (1e-6, 1e3);
 const LENGTH: f64 = 1e-3;
 /// Largest length of a group over the diameter.
 const GROUP_LENGTH: f64 = 10.0;
-/// Most groups of input coordinates.
-pub const GROUPS: usize = 8;
 /// Most examples, images counted, that a kernel is learned from when there are many.
 const LEARN_FROM: usize = 2000;
 /// Neighbours in each run of examples that a kernel is learned from when there are many.
