@@ -54,6 +54,14 @@ pub(crate) struct Squared {
     pub image: Vec<f64>,
 }
 
+impl Squared {
+    /// Zero between all points of a cloud.
+    pub fn none(cloud: &Cloud) -> Self {
+        let all = cloud.len() * cloud.len();
+        Squared { own: vec![0.0; all], image: vec![0.0; if cloud.mirrored() { all } else { 0 }] }
+    }
+}
+
 impl Cloud {
     /// Of the inputs of examples.
     pub fn of(examples: &Examples) -> Self {
@@ -85,6 +93,28 @@ impl Cloud {
     pub fn subset(&self, keep: &[usize]) -> Self {
         let points: Vec<f64> = keep.iter().flat_map(|&i| self.point(i).to_vec()).collect();
         Cloud::new(self.parity.clone(), self.mirrored, self.centre.clone(), points)
+    }
+
+    /// The same points in another metric: every entered coordinate times its scale.
+    pub fn scaled(&self, scales: &[f64]) -> Self {
+        let mut points = self.points.clone();
+        points.chunks_exact_mut(self.dim().max(1)).for_each(|p| scale(p, scales));
+        let mut centre = self.centre.clone();
+        scale(&mut centre, scales);
+        Cloud::new(self.parity.clone(), self.mirrored, centre, points)
+    }
+
+    /// The points in some of their entered coordinates only, at least one.
+    pub fn within(&self, keep: &[bool]) -> Self {
+        let some =
+            |p: &[f64]| -> Vec<f64> { p.iter().zip(keep).filter(|(_, k)| **k).map(|(v, _)| *v).collect() };
+        let points = self.points.chunks_exact(self.dim()).flat_map(some).collect();
+        Cloud::new(self.parity.subset(keep), self.mirrored, some(&self.centre), points)
+    }
+
+    /// Of every entered coordinate, what is known of coordinates of inputs.
+    pub fn carry<T>(&self, of: impl Fn(usize) -> T) -> Vec<T> {
+        self.parity.carry(of)
     }
 
     /// With the inputs of more examples, about the same centre.
@@ -343,6 +373,11 @@ impl Cloud {
         let far = left.iter().fold(0.0_f64, |a, v| a.max(*v)).sqrt();
         (chosen, far)
     }
+}
+
+/// Multiplies a point by the scales of its coordinates.
+pub(crate) fn scale(point: &mut [f64], scales: &[f64]) {
+    point.iter_mut().zip(scales).for_each(|(v, s)| *v *= s);
 }
 
 /// |a + b|².

@@ -3,12 +3,16 @@
 //! Unlike [`crate::Pairs`] they are many, neighbours in time, and may repeat or contradict each other: that is what edits
 //! are, and finding it is the work of what learns from them. In: one example a row. A [`Mirror`] counts every example a
 //! second time, mirrored. A [`Moment`] says of each example where it is from, so that neighbours in time do not count as
-//! evidence of how dense the examples lie.
+//! evidence of how dense the examples lie. Groups of input coordinates may each have a length of their own in a kernel
+//! ([`Examples::with_groups`]).
 
 use nalgebra::DMatrix;
 use serde::{Deserialize, Serialize};
 
 use crate::error::{FitError, Side};
+
+/// Most groups of input coordinates.
+pub const GROUPS: usize = 8;
 
 /// What left and right exchanged does to inputs and targets: signed permutations that undo themselves,
 /// `mirrored[i] = sign · vector[index]` with `(index, sign)` of coordinate `i`; signs are 1 or −1.
@@ -65,6 +69,7 @@ pub struct Examples {
     targets: DMatrix<f64>,
     mirror: Option<Mirror>,
     moments: Option<Moments>,
+    groups: Option<Vec<usize>>,
 }
 
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -81,11 +86,19 @@ struct Stored {
     targets: DMatrix<f64>,
     mirror: Option<Mirror>,
     moments: Option<Moments>,
+    #[serde(default)]
+    groups: Option<Vec<usize>>,
 }
 
 impl From<Examples> for Stored {
     fn from(e: Examples) -> Self {
-        Stored { inputs: e.inputs, targets: e.targets, mirror: e.mirror, moments: e.moments }
+        Stored {
+            inputs: e.inputs,
+            targets: e.targets,
+            mirror: e.mirror,
+            moments: e.moments,
+            groups: e.groups,
+        }
     }
 }
 
@@ -94,8 +107,12 @@ impl TryFrom<Stored> for Examples {
 
     fn try_from(s: Stored) -> Result<Self, FitError> {
         let examples = Examples::new(s.inputs, s.targets, s.mirror)?;
-        match s.moments {
-            Some(m) => examples.with_moments(m.of, m.apart),
+        let examples = match s.moments {
+            Some(m) => examples.with_moments(m.of, m.apart)?,
+            None => examples,
+        };
+        match s.groups {
+            Some(groups) => examples.with_groups(groups),
             None => Ok(examples),
         }
     }
@@ -132,7 +149,7 @@ impl Examples {
             Mirror::check(&mirror.input, Side::Input, inputs.ncols())?;
             Mirror::check(&mirror.output, Side::Output, targets.ncols())?;
         }
-        Ok(Examples { inputs, targets, mirror, moments: None })
+        Ok(Examples { inputs, targets, mirror, moments: None, groups: None })
     }
 
     /// With where each example is from. Examples of one clip that are at most `apart` frames from each other, and their
@@ -148,10 +165,34 @@ impl Examples {
         Ok(self)
     }
 
+    /// With the group of each input coordinate, from 0 on: how much each group counts in a distance is learned
+    /// ([`crate::RbfKernel::weights`]). Coordinates that a mirror exchanges are of one group.
+    ///
+    /// # Errors
+    /// Another number of them than of coordinates, [`GROUPS`] or above, a mirror that exchanges groups.
+    pub fn with_groups(mut self, groups: Vec<usize>) -> Result<Self, FitError> {
+        let setting = |value: usize, allowed: String| {
+            Err(FitError::Setting { name: "groups", value: value as f64, allowed })
+        };
+        if groups.len() != self.inputs.ncols() {
+            return setting(groups.len(), format!("one a coordinate: {}", self.inputs.ncols()));
+        }
+        if let Some(&g) = groups.iter().find(|&&g| g >= GROUPS) {
+            return setting(g, format!("below {GROUPS}"));
+        }
+        if let Some(mirror) = &self.mirror
+            && let Some(i) = (0..groups.len()).find(|&i| groups[i] != groups[mirror.input[i].0])
+        {
+            return setting(groups[i], format!("that of coordinate {}, its mirror image", mirror.input[i].0));
+        }
+        self.groups = Some(groups);
+        Ok(self)
+    }
+
     /// These and then `more`.
     ///
     /// # Errors
-    /// Other numbers of coordinates, another mirror, moments on one side only or with another distance.
+    /// Other numbers of coordinates, another mirror, other groups, moments on one side only or with another distance.
     pub fn and(&self, more: &Examples) -> Result<Self, FitError> {
         for (side, here, there) in
             [(Side::Input, &self.inputs, &more.inputs), (Side::Output, &self.targets, &more.targets)]
@@ -162,6 +203,9 @@ impl Examples {
         }
         if self.mirror != more.mirror {
             return Err(FitError::Unlike { what: "mirrors" });
+        }
+        if self.groups != more.groups {
+            return Err(FitError::Unlike { what: "groups" });
         }
         let moments = match (&self.moments, &more.moments) {
             (None, None) => None,
@@ -180,6 +224,7 @@ impl Examples {
             targets: below(&self.targets, &more.targets),
             mirror: self.mirror.clone(),
             moments,
+            groups: self.groups.clone(),
         })
     }
 
@@ -203,6 +248,7 @@ impl Examples {
                 .moments
                 .as_ref()
                 .map(|m| Moments { of: keep.iter().map(|&i| m.of[i]).collect(), apart: m.apart }),
+            groups: self.groups.clone(),
         })
     }
 
@@ -239,6 +285,16 @@ impl Examples {
     /// Where each example is from.
     pub fn moments(&self) -> Option<&[Moment]> {
         self.moments.as_ref().map(|m| m.of.as_slice())
+    }
+
+    /// Group of each input coordinate.
+    pub fn groups(&self) -> Option<&[usize]> {
+        self.groups.as_deref()
+    }
+
+    /// Number of groups; 1 where there are none.
+    pub fn group_count(&self) -> usize {
+        self.groups.as_ref().and_then(|g| g.iter().max()).map_or(1, |g| g + 1)
     }
 
     /// Whether two examples are the same event.

@@ -5,6 +5,7 @@
 use nalgebra::DMatrix;
 
 use crate::cloud::{Cloud, Extent};
+use crate::dense::distance_squared;
 use crate::error::{FitError, InputError};
 use crate::examples::Examples;
 use crate::parity::Parity;
@@ -78,6 +79,33 @@ impl Known {
         if i >= n {
             out[self.parity.even..].iter_mut().for_each(|v| *v = -*v);
         }
+    }
+}
+
+impl Examples {
+    /// Mean square over examples of the distance from a target to that of the most alike example or image of another event
+    /// ([`Examples::with_moments`]): what nearest neighbours miss, squared units of all target coordinates together. 0 where there is no other event.
+    pub fn disagreement(&self) -> f64 {
+        let known = Known::of(self);
+        let (n, d) = (self.len(), known.dimension());
+        let (mut scratch, mut input) = (Scratch::new(), Vec::new());
+        let (mut own, mut other) = (vec![0.0; d], vec![0.0; d]);
+        let (mut sum, mut count) = (0.0, 0_usize);
+        for i in 0..n {
+            input.clear();
+            input.extend(self.inputs().row(i).iter());
+            if known.enter(&input, &mut scratch).is_err() {
+                continue; // examples are finite and of one length
+            }
+            let all = &scratch.squared;
+            let apart = (0..all.len()).filter(|j| !self.same_event(i, j % n));
+            let Some(j) = apart.min_by(|a, b| all[*a].total_cmp(&all[*b])) else { continue };
+            known.target(i, &mut own);
+            known.target(j, &mut other);
+            sum += distance_squared(&own, &other);
+            count += 1;
+        }
+        if count == 0 { 0.0 } else { sum / count as f64 }
     }
 }
 

@@ -36,6 +36,19 @@ impl Parity {
         Parity { rows: even, even: count }
     }
 
+    /// What is known of every coordinate, for the new ones: the same for both of those that are joined.
+    pub fn carry<T>(&self, of: impl Fn(usize) -> T) -> Vec<T> {
+        self.rows.iter().map(|(a, _)| of(*a)).collect()
+    }
+
+    /// Of some of the new coordinates; only [`Parity::len`] and `even` mean something then.
+    pub fn subset(&self, keep: &[bool]) -> Self {
+        let kept = |range: std::ops::Range<usize>| range.filter(|&i| keep[i]).map(|i| self.rows[i]);
+        let even: Vec<_> = kept(0..self.even).collect();
+        let count = even.len();
+        Parity { rows: even.into_iter().chain(kept(self.even..self.rows.len())).collect(), even: count }
+    }
+
     /// Number of coordinates.
     pub fn len(&self) -> usize {
         self.rows.len()

@@ -52,7 +52,7 @@ fn a_mirror_is_twice_the_examples() {
         // By hand an example and its image are different events too; one kernel and one width for both.
         let options = ExampleOptions {
             gp: learn::RbfOptions {
-                kernel: Some(learn::RbfKernel { signal_variance: 0.9, length: 1.7, noise_variance: 0.003 }),
+                kernel: Some(learn::RbfKernel::isotropic(0.9, 1.7, 0.003)),
                 ..Default::default()
             },
             mls: MlsOptions { width: Some(0.8), ..MlsOptions::default() },

@@ -8,7 +8,7 @@ use common::examples::{doubled, examples, mirror, mirrored, noisy, rule, uniform
 use learn::{Examples, Moment, Prediction, RbfKernel, RbfOptions, RbfRegression, Scratch};
 use nalgebra::DMatrix;
 
-const KERNEL: RbfKernel = RbfKernel { signal_variance: 0.9, length: 1.7, noise_variance: 0.003 };
+const KERNEL: RbfKernel = RbfKernel::isotropic(0.9, 1.7, 0.003);
 
 fn at(kernel: RbfKernel) -> RbfOptions {
     RbfOptions { kernel: Some(kernel), ..RbfOptions::default() }
@@ -387,4 +387,85 @@ fn a_stored_model_is_the_model() {
         let error = ron::from_str::<RbfRegression>(&damaged).unwrap_err().to_string();
         assert!(error.contains("must be positive"), "{error}");
     }
+}
+
+/// In three groups that the mirror keeps.
+fn grouped(e: Examples) -> Examples {
+    e.with_groups(vec![0, 0, 1, 1, 2, 2, 0, 0]).unwrap()
+}
+
+const WEIGHED: RbfKernel =
+    RbfKernel { weights: [0.6, 1.0, 0.25, 1.0, 1.0, 1.0, 1.0, 1.0], ..RbfKernel::isotropic(0.9, 1.7, 0.003) };
+
+/// Weights of groups are inputs in another scale: the same answers, one by one and together, grown, with examples left out and through inducing
+/// points. Novelty does not see them.
+#[test]
+fn weights_of_groups_are_scales_of_inputs() {
+    let columns = [0.6, 0.6, 1.0, 1.0, 0.25, 0.25, 0.6, 0.6];
+    let scaled = |x: &DMatrix<f64>| DMatrix::from_fn(x.nrows(), x.ncols(), |i, k| x[(i, k)] * columns[k]);
+    let frames = uniform(70, 8, 77);
+    for (exact_up_to, with_mirror) in [(3000, true), (3000, false), (40, true)] {
+        let e = examples(90, 3, with_mirror);
+        let plain = Examples::new(scaled(e.inputs()), e.targets().clone(), e.mirror().cloned()).unwrap();
+        let options = RbfOptions { exact_up_to, inducing: 30, ..at(KERNEL) };
+        let weighed = RbfOptions { kernel: Some(WEIGHED), ..options.clone() };
+        let e = grouped(e);
+        let mut model = RbfRegression::fit(&e, &weighed).unwrap();
+        let other = RbfRegression::fit(&plain, &options).unwrap();
+        let (a, b) = (model.predict_batch(&frames).unwrap(), other.predict_batch(&scaled(&frames)).unwrap());
+        assert!((&a.mean - &b.mean).amax() < 1e-9, "{}", (&a.mean - &b.mean).amax());
+        assert!(a.variance.iter().zip(&b.variance).all(|(a, b)| (a - b).abs() < 1e-9));
+        assert_eq!(
+            a.novelty,
+            RbfRegression::fit(&e, &options).unwrap().predict_batch(&frames).unwrap().novelty
+        );
+        let (mut scratch, mut out) = (Scratch::new(), Prediction::default());
+        for i in 0..frames.nrows() {
+            let row: Vec<f64> = frames.row(i).iter().copied().collect();
+            model.predict(&row, &mut scratch, &mut out).unwrap();
+            assert!(out.mean.iter().enumerate().all(|(k, v)| (v - a.mean[(i, k)]).abs() < 1e-9));
+            assert!((out.novelty - a.novelty[i]).abs() < 1e-9);
+        }
+        let (mine, theirs) = (model.leave_one_out().unwrap(), other.leave_one_out().unwrap());
+        assert!((&mine.residual - &theirs.residual).amax() < 1e-7);
+        let (head, tail) = split(&e, 60);
+        let whole = model.clone();
+        model = RbfRegression::fit(&head, &weighed).unwrap();
+        model.grow(&tail).unwrap();
+        if exact_up_to == 3000 {
+            let grown = model.predict_batch(&frames).unwrap();
+            assert!((&grown.mean - whole.predict_batch(&frames).unwrap().mean).amax() < 1e-9);
+        }
+    }
+}
+
+/// An edit of one group alone is learned as such: the other groups get long lengths, and what they do elsewhere does not matter.
+#[test]
+fn a_rule_of_one_group_does_not_look_at_the_others() {
+    let x = uniform(120, 8, 5);
+    let y = DMatrix::from_fn(120, 1, |i, _| (2.5 * x[(i, 2)]).sin());
+    let e = Examples::new(x, y, None).unwrap();
+    let frames = uniform(200, 8, 6);
+    let rms = |model: &RbfRegression| {
+        let mean = model.predict_batch(&frames).unwrap().mean;
+        let sum: f64 = (0..200).map(|i| (mean[(i, 0)] - (2.5 * frames[(i, 2)]).sin()).powi(2)).sum();
+        (sum / 200.0).sqrt()
+    };
+    let plain = rms(&RbfRegression::fit(&e, &RbfOptions::default()).unwrap());
+    let e = e.with_groups(vec![0, 0, 1, 2, 2, 2, 0, 0]).unwrap();
+    let model = RbfRegression::fit(&e, &RbfOptions::default()).unwrap();
+    let [a, b, c, ..] = model.kernel().weights;
+    println!("{plain} without groups, {} with, weights {a} {b} {c}", rms(&model));
+    assert!(rms(&model) < 0.02 && plain > 0.2, "{plain}, {}", rms(&model));
+    assert!(b == 1.0 && a < 0.2 && c < 0.2, "{a} {b} {c}");
+}
+
+/// Groups that are not one a coordinate, too many, or exchanged by the mirror are refused.
+#[test]
+fn groups_that_do_not_fit_are_refused() {
+    let e = || examples(5, 1, true);
+    for groups in [vec![0; 7], vec![8; 8], vec![0, 1, 0, 0, 0, 0, 0, 0]] {
+        assert!(e().with_groups(groups.clone()).is_err(), "{groups:?}");
+    }
+    assert!(grouped(e()).and(&e()).is_err());
 }

@@ -2,17 +2,18 @@
 //!
 //! In: marks in page pixels, x right, y down. Out: files. One function, generic over the plotters
 //! backend, draws both; it works at four times the page's resolution, because backends take whole
-//! pixels: the SVG maps that back by its `viewBox`, the PNG is averaged down.
+//! pixels: the SVG maps that back by its `viewBox`, the PNG is averaged down, in bands of rows on all cores ([`crate::raster`]).
 //! Same marks, same bytes.
 
 use std::io;
 use std::path::{Path, PathBuf};
 
-use plotters::backend::{BitMapBackend, DrawingBackend, SVGBackend};
+use plotters::backend::{DrawingBackend, SVGBackend};
 use plotters::style::text_anchor::{HPos, Pos, VPos};
 use plotters::style::{FontTransform, RGBColor, ShapeStyle, TextStyle};
 use thiserror::Error;
 
+use crate::raster::Band;
 use crate::style::{self, Color};
 
 /// A point of the page, px.
@@ -20,9 +21,13 @@ pub type Px = [f64; 2];
 
 /// Subpixels per pixel of the page.
 const FINE: f64 = 4.0;
+/// Rows of the page that are drawn at once, px: a band of subpixels fits the cache of a core.
+const BAND: usize = 32;
+/// How far drawing may reach beyond a mark, px.
+const SLACK: f64 = 1.0;
 /// Longest side of a page, px.
 const MOST_SIDE: f64 = 16_384.0;
-/// Largest page, px: drawn at [`FINE`] it takes some 400 MB.
+/// Largest page, px: all of it at [`FINE`] would be some 400 MB.
 const MOST_AREA: f64 = 8e6;
 /// Farthest from the page's corner that anything is drawn, px: backends walk over every pixel of a line, seen or not.
 const FARTHEST: f64 = 1e5;
@@ -248,7 +253,9 @@ impl Figure {
         let mut text = String::new();
         let mut backend = SVGBackend::with_string(&mut text, fine);
         let medium = Medium { baseline: 0.76, native_lines: true };
-        self.draw(&mut backend, medium).map_err(|e| draw_error(Path::new("svg"), e))?;
+        let everything = [f64::NEG_INFINITY, f64::INFINITY];
+        self.draw(&mut backend, medium, self.marks.iter(), everything)
+            .map_err(|e| draw_error(Path::new("svg"), e))?;
         drop(backend);
         let size = |w: f64, h: f64| format!("width=\"{w}\" height=\"{h}\"");
         let (from, to) = (size(f64::from(fine.0), f64::from(fine.1)), size(self.width, self.height));
@@ -261,28 +268,39 @@ impl Figure {
     /// `Size`; `Draw`, if the backend fails.
     pub fn pixels(&self) -> Result<Vec<u8>, FigureError> {
         self.check()?;
-        let (w, h) = self.fine_size();
-        let mut fine = vec![255; (w * h * 3) as usize];
-        let mut backend = BitMapBackend::with_buffer(&mut fine, (w, h));
+        let step = FINE as usize;
+        let (width, height) = (self.width as usize, self.height as usize);
         // plotters puts the baseline half a font size below the top
         let medium = Medium { baseline: 0.5 * style::EM, native_lines: false };
-        self.draw(&mut backend, medium).map_err(|e| draw_error(Path::new("png"), e))?;
-        drop(backend);
-        let (step, stride) = (FINE as usize, w as usize * 3);
-        let mut out = Vec::with_capacity((self.width * self.height) as usize * 3);
-        for row in 0..self.height as usize {
-            for column in 0..self.width as usize {
-                for channel in 0..3 {
-                    let mut sum = 0;
-                    for y in 0..step {
-                        let start = (row * step + y) * stride + column * step * 3 + channel;
-                        sum += (0..step).map(|x| u32::from(fine[start + 3 * x])).sum::<u32>();
-                    }
-                    let n = (step * step) as u32;
-                    out.push(((sum + n / 2) / n) as u8);
-                }
-            }
+        let reaches: Vec<[f64; 2]> = self.marks.iter().map(reach).collect();
+        let mut out = vec![0; width * height * 3];
+        let mut bands: Vec<(usize, &mut [u8])> = out.chunks_mut(width * 3 * BAND).enumerate().collect();
+        let threads = std::thread::available_parallelism().map_or(1, usize::from).min(bands.len().max(1));
+        let mut shares: Vec<Vec<(usize, &mut [u8])>> = (0..threads).map(|_| Vec::new()).collect();
+        for (i, band) in bands.drain(..).enumerate() {
+            shares[i % threads].push(band);
         }
+        let draw = |share: Vec<(usize, &mut [u8])>| -> Result<(), String> {
+            let mut band = Band::new(self.fine_size());
+            for (i, out) in share {
+                let (top, rows) = (i * BAND, out.len() / (width * 3));
+                band.start((top * step) as i32, (rows * step) as i32);
+                let seen = [top as f64, (top + rows) as f64];
+                let marks = self.marks.iter().zip(&reaches);
+                let marks = marks.filter(|(_, r)| r[0] <= seen[1] && r[1] >= seen[0]).map(|(m, _)| m);
+                self.draw(&mut band, medium, marks, seen)?;
+                band.average(step, out);
+            }
+            Ok(())
+        };
+        let drawn: Result<(), String> = std::thread::scope(|scope| {
+            let others: Vec<_> = shares.drain(1..).map(|share| scope.spawn(|| draw(share))).collect();
+            let own = shares.pop().map_or(Ok(()), draw);
+            others.into_iter().fold(own, |all, other| {
+                all.and(other.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic)))
+            })
+        });
+        drawn.map_err(|e| draw_error(Path::new("png"), e))?;
         Ok(out)
     }
 
@@ -341,11 +359,18 @@ impl Figure {
         ((self.width * FINE) as u32, (self.height * FINE) as u32)
     }
 
-    fn draw<B: DrawingBackend>(&self, backend: &mut B, medium: Medium) -> Result<(), String> {
+    /// Draws marks on a white page; of long lines only what the rows `seen`, px, may show.
+    fn draw<'m, B: DrawingBackend>(
+        &self,
+        backend: &mut B,
+        medium: Medium,
+        marks: impl Iterator<Item = &'m Mark>,
+        seen: [f64; 2],
+    ) -> Result<(), String> {
         let (w, h) = self.fine_size();
         backend.ensure_prepared().map_err(error_text)?;
         backend.draw_rect((0, 0), (w as i32, h as i32), &rgb(style::WHITE), true).map_err(error_text)?;
-        for mark in &self.marks {
+        for mark in marks {
             match mark {
                 Mark::Fill { points, color } => {
                     backend.fill_polygon(points.iter().map(fine), &rgb(*color)).map_err(error_text)?;
@@ -354,7 +379,7 @@ impl Figure {
                     let style = ShapeStyle::from(&rgb(*color)).stroke_width((width * FINE).round() as u32);
                     backend.draw_path(points.iter().map(fine), &style).map_err(error_text)?;
                 }
-                Mark::Line { points, color, width } => thick(backend, points, *color, *width)?,
+                Mark::Line { points, color, width } => thick(backend, points, *color, *width, seen)?,
                 Mark::Text { text, at, size, color, anchor, upward } => {
                     let h_pos = match anchor {
                         Anchor::Start => HPos::Left,
@@ -390,13 +415,20 @@ struct Medium {
 
 /// A wide line as one quadrilateral per segment and a disc per bend: the outline plotters makes of a
 /// whole dense curve crosses itself and leaves holes.
-fn thick<B: DrawingBackend>(backend: &mut B, points: &[Px], color: Color, width: f64) -> Result<(), String> {
+fn thick<B: DrawingBackend>(
+    backend: &mut B,
+    points: &[Px],
+    color: Color,
+    width: f64,
+    seen: [f64; 2],
+) -> Result<(), String> {
     let half = 0.5 * width;
     for (i, pair) in points.windows(2).enumerate() {
         let (a, b) = (pair[0], pair[1]);
         let (dx, dy) = (b[0] - a[0], b[1] - a[1]);
         let length = dx.hypot(dy);
-        if length == 0.0 {
+        let hidden = a[1].max(b[1]) + half + SLACK < seen[0] || a[1].min(b[1]) - half - SLACK > seen[1];
+        if length == 0.0 || hidden {
             continue;
         }
         let n = [-dy / length * half, dx / length * half];
@@ -412,6 +444,17 @@ fn thick<B: DrawingBackend>(backend: &mut B, points: &[Px], color: Color, width:
         }
     }
     Ok(())
+}
+
+/// Rows of the page that a mark may touch, px.
+fn reach(mark: &Mark) -> [f64; 2] {
+    let slack = match mark {
+        // accents and long tails
+        Mark::Text { size, .. } => *size,
+        _ => SLACK,
+    };
+    let [_, top, _, bottom] = Figure::bounds(mark);
+    [top - slack, bottom + slack]
 }
 
 fn is_finite(p: &Px) -> bool {

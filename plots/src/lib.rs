@@ -54,6 +54,7 @@ pub mod overlay;
 pub mod panel;
 pub mod polar;
 pub mod predicted;
+mod raster;
 pub mod residual;
 pub mod retargeted;
 pub mod solid;

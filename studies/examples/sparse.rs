@@ -37,7 +37,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     let asked: Vec<(DMatrix<f64>, DMatrix<f64>)> = ruled(&UNSEEN)?
         .iter()
         .map(|p| {
-            let rig = Rig::of(&p.source.skeleton)?;
+            let rig = Rig::find(&edit.rig, &p.source.skeleton)?;
             let all: Vec<usize> = (0..p.source.frames()).collect();
             let x = Features::of(&rig, &p.source, &all, options.recognised()).configuration;
             Ok((x, outputs::differences((&rig, &p.source), (&rig, &p.target), None)))

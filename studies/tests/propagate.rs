@@ -157,11 +157,11 @@ fn known_rules_are_learned() {
     }
 }
 
-/// With few frames, no other way that keys nothing in the unseen clips is better by more than 0.3° (timing: 0.5 % of the rate), and half the
-/// knee needs half the frames of the best of them, to within 0.1°.
+/// With few frames, no other way that keys nothing in the unseen clips is better by more than 0.3° (timing: 0.5 % of the rate), *arms while walking*
+/// among the rules, and half the knee needs at most half the frames of the best of them.
 #[test]
 fn no_other_way_is_much_better() {
-    for rule in [Rule::Lean, Rule::SpineByKnee, Rule::LeanBySpeed, Rule::Timing] {
+    for rule in [Rule::Lean, Rule::SpineByKnee, Rule::LeanBySpeed, Rule::Timing, Rule::ArmsWhileWalking] {
         let (training, unseen) = (pairs(&TRAINING, rule), pairs(&UNSEEN, rule));
         let errors = |way| {
             [10, 20, 40, 80].map(|count| {
@@ -173,9 +173,9 @@ fn no_other_way_is_much_better() {
         let least = if rule == Rule::Timing { 0.5 } else { 0.3 };
         for i in 0..ours.len() {
             let other = nearest[i].min(linear[i]);
-            assert!(ours[i] <= other + least, "{rule:?}, {i}: {} and {other}", ours[i]); // 0.15° seen
+            assert!(ours[i] <= other + least, "{rule:?}, {i}: {} and {other}", ours[i]); // 0.19° seen
             if rule == Rule::SpineByKnee && i > 0 {
-                assert!(ours[i - 1] <= other + 0.1, "{i}: {} and {other}", ours[i - 1]); // 0.03° seen
+                assert!(ours[i - 1] <= other, "{i}: {} and {other}", ours[i - 1]); // 0.2° less seen
             }
         }
     }
@@ -192,7 +192,7 @@ fn many_frames_lose_little() {
         RbfOptions { exact_up_to: usize::MAX, kernel: Some(sparse.kernel()), ..RbfOptions::default() };
     let exact = RbfRegression::fit(sparse.examples(), &exact).unwrap();
     let unseen = pair(Rule::SpineByKnee, UNSEEN[0], &clip(UNSEEN[0])).unwrap();
-    let rig = Rig::of(&unseen.source.skeleton).unwrap();
+    let rig = Rig::find(&edit.rig, &unseen.source.skeleton).unwrap();
     let all: Vec<usize> = (0..unseen.source.frames()).collect();
     let x = Features::of(&rig, &unseen.source, &all, edit.options.recognised()).configuration;
     let truth = outputs::differences((&rig, &unseen.source), (&rig, &unseen.target), None);
@@ -353,4 +353,20 @@ fn arms_rise_only_while_walking() {
             assert!(moved < 1e-9, "frame {f}: {moved} m");
         }
     }
+}
+
+/// Of a stop of a kind that was not taught (taught: a run to a sudden stop) the transition is that of the script too: 0.95 times its jerk, 1.02 times its
+/// peak speed of the hands seen.
+#[test]
+fn a_stop_of_another_kind_is_no_slower() {
+    let rule = Rule::ArmsWhileWalking;
+    let edit = learned(&pairs(&["16_16", "16_20", "16_30", "49_01", "16_02", "16_08"], rule), 640);
+    let truth = pair(rule, "16_33", &clip("16_33")).unwrap();
+    let done = applied(&edit, &truth.source);
+    let link = |name: &str| done.skeleton.link(name).unwrap();
+    let frames = transition(&truth, link("LeftArm"));
+    let hands = ["LeftHand", "RightHand"].map(link);
+    let [ours, script] = [&done, &truth.target].map(|c| smoothness(c, &hands, frames.clone()));
+    assert!(ours.jerk_rms <= 1.2 * script.jerk_rms, "{ours:?}, script {script:?}");
+    assert!((ours.peak_m_s / script.peak_m_s - 1.0).abs() <= 0.1, "{ours:?}, script {script:?}");
 }

@@ -1,9 +1,20 @@
 //! Features: what a frame of the source motion is recognised by (IAF09 §4.5).
 //!
-//! In: a clip and its [`Rig`]. Out: for every frame two rows: the configuration feature x^(k), places of all points 0.125 s before,
-//! now and 0.125 s after in the heading frame of now, and where the root is 0.25 s before and after, times [`Recognised::path_weight`] and the square root of the number of
+//! In: a clip and its [`Rig`]. Out: for every frame two rows: the configuration feature x^(k), places of all points 0.125 s before (b),
+//! now (n) and 0.125 s after (a) in the heading frame of now, and where the root is 0.25 s before and after, times [`Recognised::path_weight`] and the square root of the number of
 //! points; and the acceleration feature x^(a), accelerations of all points relative to the
 //! root, from a parabola fitted over 0.125 s, in the same frame.
+//!
+//! Distances between frames are those of the paper's coordinates, but these are turned, so that what a body is doing falls into groups that a model may
+//! weigh each for itself ([`configuration_groups`]):
+//!
+//! | group | of | coordinates |
+//! |---|---|---|
+//! | 0, pose | all points | (b + n + a)/√3 |
+//! | 1, velocity | root and points | (a − b)/√2 |
+//! | 2, bend | root and points | (b − 2 n + a)/√6; of the root, where n is zero, (b + a)/√2 |
+//! | 3, way | the root, ±0.25 s | (after − before)/√2 |
+//! | 4, bend of the way | the root, ±0.25 s | (after + before)/√2 |
 //!
 //! The root's way is not in the paper: within 0.25 s a body that slows down is told from one that walks by its pose alone, and an edit
 //! that depends on speed changes with every step.
@@ -12,6 +23,8 @@
 //! ([`Orientation`]). Before the first and after the last frame a point goes on as it came: `p(−t) = 2 p(0) − p(t)`.
 //!
 //! Units: places in parts of the body's size, accelerations in sizes per s².
+
+use std::f64::consts::FRAC_1_SQRT_2;
 
 use motion::derivatives::parabola;
 use motion::rotation::{Quat, Vec3};
@@ -69,10 +82,16 @@ pub(super) fn configuration_width(points: usize) -> usize {
     3 * (4 + 3 * points)
 }
 
+/// The group of each coordinate of x^(k) of a rig with so many points: see the module header.
+pub(super) fn configuration_groups(points: usize) -> Vec<usize> {
+    let sizes = [points, points + 1, points + 1, 1, 1];
+    sizes.iter().enumerate().flat_map(|(group, size)| std::iter::repeat_n(group, 3 * size)).collect()
+}
+
 /// Features of all frames: one row each.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Features {
-    /// x^(k): three times root and points; the root now is the origin and left out; then the two places of the root's way.
+    /// x^(k): the groups of the module header, one after the other.
     pub configuration: DMatrix<f64>,
     /// x^(a): all points.
     pub acceleration: DMatrix<f64>,
@@ -98,23 +117,27 @@ impl Features {
             };
             let now = path.at(frame as f64, 0);
             let local = |p: Vec3| frame_from_world * (p - now) / rig.size_m;
-            let mut column = 0;
-            for (k, offset) in [-step, 0.0, step].into_iter().enumerate() {
-                for point in usize::from(k == 1)..=points {
-                    let p = local(path.at(frame as f64 + offset, point));
-                    for c in 0..3 {
-                        configuration[(row, column + c)] = p[c];
-                    }
-                    column += 3;
-                }
-            }
-            for offset in [-PATH_S, PATH_S] {
-                let p = local(path.at(frame as f64 + offset * clip.rate_hz, 0)) * weight;
+            let mut put = |block: usize, point: usize, p: Vec3| {
                 for c in 0..3 {
-                    configuration[(row, column + c)] = p[c];
+                    configuration[(row, 3 * (block + point) + c)] = p[c];
                 }
-                column += 3;
+            };
+            let (velocity, bend, way) = (points, 2 * points + 1, 3 * points + 2);
+            for point in 0..=points {
+                let at = |offset: f64| local(path.at(frame as f64 + offset, point));
+                let (b, n, a) = (at(-step), at(0.0), at(step));
+                put(velocity, point, (a - b) * FRAC_1_SQRT_2);
+                if point == 0 {
+                    put(bend, point, (b + a) * FRAC_1_SQRT_2);
+                } else {
+                    put(0, point - 1, (b + n + a) / 3.0_f64.sqrt());
+                    put(bend, point, (b - n * 2.0 + a) / 6.0_f64.sqrt());
+                }
             }
+            let at = |offset: f64| local(path.at(frame as f64 + offset * clip.rate_hz, 0)) * weight;
+            let (b, a) = (at(-PATH_S), at(PATH_S));
+            put(way, 0, (a - b) * FRAC_1_SQRT_2);
+            put(way, 1, (a + b) * FRAC_1_SQRT_2);
             for point in 1..=points {
                 let mut a = Vec3::zeros();
                 for (offset, (_, bend)) in (-half..=half).zip(&weights) {
@@ -133,7 +156,7 @@ impl Features {
 
 /// How configuration features are mirrored; `None` without left and right.
 pub(super) fn mirror_configuration(rig: &Rig) -> Option<Signed> {
-    let mut out = rig.mirror_points(&[true, false, true])?;
+    let mut out = rig.mirror_points(&[false, true, true])?;
     let at = out.len();
     for p in 0..2 {
         out.extend([(at + 3 * p, -1.0), (at + 3 * p + 1, 1.0), (at + 3 * p + 2, 1.0)]);

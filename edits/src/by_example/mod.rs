@@ -58,5 +58,5 @@ pub use part::{Part, first};
 pub use performances::{Correspondence, correspond};
 pub use poses::Outputs;
 pub use review::{Contradiction, KeyNext, contradictions, key_next};
-pub use rig::Rig;
+pub use rig::{Axes, Rig};
 pub use solve::Weights;

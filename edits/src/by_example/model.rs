@@ -4,7 +4,11 @@
 //! they are.
 //!
 //! *Configuration*: from x^(k) to the differences of [`super::outputs`] (or, with [`Outputs::Poses`], to the target itself). *Acceleration*: from x^(a) to their second derivatives by time,
-//! of the frames of the pair, from parabolas over 0.125 s. Speeds and rates of configurations are means over the same time. Both share three hyperparameters each over all outputs.
+//! of the frames of the pair, from parabolas over 0.125 s. Speeds and rates of configurations are means over the same time. Hyperparameters are shared over all outputs: three of accelerations; of configurations two variances and a length for each group of
+//! features ([`super::features`]).
+//!
+//! *Axes*: differences of balls are written in the joints' own axes or in their parents', whichever makes the examples agree better
+//! ([`choose_axes`]).
 //!
 //! *Novelty*: the distance of a frame's x^(k) to the nearest example, over the 99th percentile of the distances that the examples
 //! have to each other (`learn`). [`gates`] take the blended differences back where it nears 1. They act on the result of the blend: inside
@@ -22,11 +26,11 @@ use nalgebra::DMatrix;
 use serde::{Deserialize, Serialize};
 
 use super::features::{
-    Features, Orientation, PATH_WEIGHT, Recognised, configuration_width, mirror_acceleration,
-    mirror_configuration,
+    Features, Orientation, PATH_WEIGHT, Recognised, configuration_groups, configuration_width,
+    mirror_acceleration, mirror_configuration,
 };
-use super::rig::{Rig, RigFile};
-use super::solve::{Evidence, Form, Weights, blend};
+use super::rig::{Axes, Rig, RigFile};
+use super::solve::{Evidence, Form, SUREST, Weights, blend};
 use super::{Contacts, ExampleError, Outputs, Pair, outputs, poses};
 
 /// Neighbours in time do not tell how dense examples lie: those closer than this, ms.
@@ -225,7 +229,8 @@ impl ExampleEdit {
     ) -> Result<Self, ExampleError> {
         check(options)?;
         let first = pairs.first().ok_or(ExampleError::NoPairs)?;
-        let rig = Rig::of(&first.source.skeleton)?;
+        let axes = choose_axes(pairs, options)?;
+        let rig = Rig::of(&first.source.skeleton)?.with_axes(axes);
         let file = rig.file().clone();
         let rows = Rows::of(&file, pairs, 0, options)?;
         let mirrored = options.mirror && rig.is_symmetric();
@@ -283,6 +288,12 @@ impl ExampleEdit {
         if let Some(f) = frames.iter().find(|f| f.pair >= pairs.len()) {
             return fault(format!("an example of pair {}; there are {}", f.pair, pairs.len()));
         }
+        let [mut configuration, acceleration] = taught;
+        configuration.examples = configuration
+            .examples
+            .with_groups(configuration_groups(points))
+            .map_err(|source| ExampleError::Fit { model: "configurations", source })?;
+        let taught = [configuration, acceleration];
         let mirrored = taught.iter().all(|t| t.examples.mirror().is_some());
         let again = |model, of: &Taught| {
             let mut settings = learn::ExampleOptions::default();
@@ -334,6 +345,10 @@ impl ExampleEdit {
         let mut a = predict(&self.acceleration, &features.acceleration)?;
         let step_s = 1.0 / clip.rate_hz;
         let mut signals = [&self.configuration, &self.acceleration].map(signal);
+        // accelerations as sure as that would leave nothing of the configurations to rounding
+        for (a, k) in a.variance.iter_mut().zip(&k.variance) {
+            *a = a.max(CALM * k.max(SUREST * signals[0]));
+        }
         // of poses, the blend finds what is to be added to those of the source
         let source = (self.options.outputs == Outputs::Poses).then(|| poses::of(rig, clip, None));
         if let Some(source) = &source {
@@ -360,7 +375,7 @@ impl ExampleEdit {
             differences.row_mut(f).scale_mut(*g);
         }
         let root = self.options.root_weight;
-        let form = Form { root, ..Form::of(&configuration, &acceleration, step_s) };
+        let form = Form { root, ..Form::of(&configuration, &acceleration, step_s) }.firm();
         Ok(Answer { differences, predicted, unsure, novelty, kept, form })
     }
 }
@@ -468,11 +483,36 @@ impl Rows {
                 .and_then(|e| e.with_moments(self.moments.clone(), APART_MS))
                 .map_err(|source| ExampleError::Fit { model, source })
         };
+        let grouped = |e: Examples| {
+            e.with_groups(configuration_groups(rig.points()))
+                .map_err(|source| ExampleError::Fit { model: "configurations", source })
+        };
         Ok([
-            of(&self.configuration, mirror_configuration(rig), "configurations")?,
+            grouped(of(&self.configuration, mirror_configuration(rig), "configurations")?)?,
             of(&self.acceleration, mirror_acceleration(rig), "accelerations")?,
         ])
     }
+}
+
+/// The axes in which the examples of the pairs agree better: in which a target is nearer to that of the most alike frame of another time
+/// ([`Examples::disagreement`]). The joints' own where there is no difference.
+///
+/// # Errors
+/// As [`ExampleEdit::learn`].
+pub fn choose_axes(pairs: &[Pair], options: &ExampleOptions) -> Result<Axes, ExampleError> {
+    check(options)?;
+    let first = pairs.first().ok_or(ExampleError::NoPairs)?;
+    if options.outputs == Outputs::Poses {
+        return Ok(Axes::Joint);
+    }
+    let disagreement = |axes| {
+        let rig = Rig::of(&first.source.skeleton)?.with_axes(axes);
+        let rows = Rows::of(rig.file(), pairs, 0, options)?;
+        let [configuration, _] = rows.examples(&rig, options.mirror && rig.is_symmetric())?;
+        Ok::<f64, ExampleError>(configuration.disagreement())
+    };
+    let parent = disagreement(Axes::Parent)? < disagreement(Axes::Joint)?;
+    Ok(if parent { Axes::Parent } else { Axes::Joint })
 }
 
 /// σ_f² of a model; the mean square of its targets where it has no kernel.
@@ -483,6 +523,9 @@ fn signal(model: &ExampleModel) -> f64 {
     };
     of.max(LEAST_SIGNAL)
 }
+
+/// Least variance of accelerations over that of configurations, 1/s⁴.
+const CALM: f64 = 1e-6;
 
 /// Of targets that are all zero, squared units.
 const LEAST_SIGNAL: f64 = 1e-18;

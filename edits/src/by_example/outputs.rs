@@ -5,14 +5,14 @@
 //!
 //! | columns | meaning | unit |
 //! |---|---|---|
-//! | joints, in the rig's order | `log(Sᵀ R_tgt R_srcᵀ S)` in body axes of the zero pose; the difference of a hinge or slide | rad, sizes |
+//! | joints, in the rig's order | `Sᵀ log(R_tgt R_srcᵀ)` in body axes of the zero pose; the difference of a hinge or slide | rad, sizes |
 //! | tilt, 3 | `log(T_srcᵀ T_tgt)` of the root's orientation without its heading, body axes | rad |
 //! | height | height of the root | sizes |
 //! | sideways, forward | speed of the root, each in the heading frame of its own clip | sizes per s |
 //! | turn | rate of the heading | rad/s |
 //! | time | `ln(seconds of the target / seconds of the source)` | – |
 //!
-//! S is the mean of R_src over 0.125 s (fewer frames at the ends of a clip): with `S = R_src` the first is `log(R_srcᵀ R_tgt)`. What trembles in the source (mocap: twist of an upper arm)
+//! S is one with [`Axes::Parent`]; with [`Axes::Joint`] it is the mean of R_src over 0.125 s (fewer frames at the ends of a clip): with `S = R_src` the first is `log(R_srcᵀ R_tgt)`. What trembles in the source (mocap: twist of an upper arm)
 //! would then turn the axes of the edit, and swing an arm that the edit has raised; so it stays a twist.
 //!
 //! Rotation vectors are continued over ±π from frame to frame. Speeds and rates are of source time and belong to the step
@@ -27,7 +27,7 @@ use motion::{Clip, Joint, Skeleton};
 use nalgebra::DMatrix;
 
 use super::features::headings;
-use super::rig::{Moves, Rig, RigFile, Signed};
+use super::rig::{Axes, Moves, Rig, RigFile, Signed};
 
 /// Columns after those of the joints.
 pub(super) const ROOT: usize = 8;
@@ -205,8 +205,8 @@ fn continue_over_pi(out: &mut DMatrix<f64>, column: usize) {
     }
 }
 
-/// Rotations of all joints of a clip, means over 0.125 s (fewer frames at the ends, equally many before and after): the axes that
-/// differences are in.
+/// The axes that differences are in: rotations of all joints of a clip, means over 0.125 s (fewer frames at the ends, equally many before and
+/// after), or none with [`Axes::Parent`].
 #[derive(Clone, Debug)]
 pub(super) struct Smooth {
     joints: usize,
@@ -223,6 +223,10 @@ impl Smooth {
             for &(link, moves) in rig.joints() {
                 let own = s.rotation(clip.pose(f), link);
                 let mut sum = own.coords;
+                if rig.axes() == Axes::Parent {
+                    rotations.push(Quat::identity());
+                    continue;
+                }
                 if moves == Moves::Ball {
                     for g in (f - half..=f + half).filter(|&g| g != f) {
                         let other = s.rotation(clip.pose(g), link).coords;
@@ -240,7 +244,7 @@ impl Smooth {
         &self.rotations[f * self.joints + joint]
     }
 
-    /// The rotation `source` of a joint turned by a difference in the joint's own axes.
+    /// The rotation `source` of a joint turned by a difference in these axes.
     pub fn turned(&self, f: usize, joint: usize, source: &Quat, by: &Vec3) -> Quat {
         exp(&(self.at(f, joint) * by)) * source
     }

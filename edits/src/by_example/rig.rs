@@ -42,6 +42,16 @@ impl Moves {
     }
 }
 
+/// In which axes the difference of a ball is written.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub enum Axes {
+    /// The joint's own, means over 0.125 s: an edit that goes with the limb.
+    #[default]
+    Joint,
+    /// Those of the link before it: an edit that the pose of the limb does not turn.
+    Parent,
+}
+
 /// A point of the body whose place is a feature.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct PointName {
@@ -63,6 +73,8 @@ pub struct RigFile {
     pub joints: Vec<(String, Moves)>,
     /// Size of the skeleton taught on, m.
     pub size_m: f64,
+    /// In which axes differences are.
+    pub axes: Axes,
 }
 
 #[derive(Clone, Debug, PartialEq)]
@@ -127,7 +139,7 @@ impl Rig {
             zero,
             points: Vec::new(),
             joints: Vec::new(),
-            file: RigFile { points: Vec::new(), joints: Vec::new(), size_m: size },
+            file: RigFile { points: Vec::new(), joints: Vec::new(), size_m: size, axes: Axes::default() },
             mirror: None,
         };
         let every = rig.everything(&k);
@@ -160,7 +172,8 @@ impl Rig {
     /// All points and joints of the skeleton.
     fn everything(&self, k: &Kinematics) -> RigFile {
         let s = &self.skeleton;
-        let mut file = RigFile { points: Vec::new(), joints: Vec::new(), size_m: self.size_m };
+        let mut file =
+            RigFile { points: Vec::new(), joints: Vec::new(), size_m: self.size_m, axes: Axes::default() };
         let small = 1e-6 * self.size_m;
         let named = |from: Vec3| (self.axes_from_world * from / self.size_m).into();
         for (i, link) in s.links().iter().enumerate().skip(1) {
@@ -247,6 +260,17 @@ impl Rig {
     /// What a model remembers of it.
     pub fn file(&self) -> &RigFile {
         &self.file
+    }
+
+    /// In which axes differences are: the joints' own, unless the model says otherwise.
+    pub fn axes(&self) -> Axes {
+        self.file.axes
+    }
+
+    /// The same rig with differences in other axes.
+    pub fn with_axes(mut self, axes: Axes) -> Self {
+        self.file.axes = axes;
+        self
     }
 
     /// The skeleton.

@@ -16,6 +16,11 @@
 use nalgebra::DMatrix;
 use serde::{Deserialize, Serialize};
 
+/// What the terms of accelerations count if nothing else is said. Errors of neighbouring frames are alike, and twice integrated they grow with the square of
+/// the time: an acceleration that is a little wrong through a whole transition (mostly: zero, and sure of it) would blur it. At this weight they
+/// hold back what trembles, and leave transitions alone.
+pub const ACCELERATION: f64 = 0.001;
+
 /// How much each of the four terms counts (IAF09 §4.3). See the guide in `docs/BY_EXAMPLE.md`: which to turn when.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
@@ -32,9 +37,17 @@ pub struct Weights {
 
 impl Default for Weights {
     fn default() -> Self {
-        Self { configuration: 1.0, source: 1.0, acceleration: 1.0, source_acceleration: 1.0 }
+        Self {
+            configuration: 1.0,
+            source: 1.0,
+            acceleration: ACCELERATION,
+            source_acceleration: ACCELERATION,
+        }
     }
 }
+
+/// Least variance over σ_f²; Gaussian processes are never as sure (10⁻¹⁰).
+pub const SUREST: f64 = 1e-12;
 
 /// What one model says of every frame, for the blend.
 #[derive(Clone, Debug, PartialEq)]
@@ -48,11 +61,12 @@ pub struct Evidence {
 }
 
 impl Evidence {
-    /// The weights of a frame from its variance and the model's prior variance `signal` = σ_f².
+    /// The weights of a frame from its variance and the model's prior variance `signal` = σ_f². A variance counts as at least [`SUREST`] of that: examples that a
+    /// model fits without a remainder have none.
     pub fn new(mean: DMatrix<f64>, variance: &[f64], signal: f64, learned: f64, source: f64) -> Self {
         Self {
             mean,
-            learned: variance.iter().map(|v| learned / v).collect(),
+            learned: variance.iter().map(|v| learned / v.max(SUREST * signal)).collect(),
             source: variance.iter().map(|v| source * v / (signal * signal)).collect(),
         }
     }
@@ -76,6 +90,13 @@ impl Form {
     pub fn of(configuration: &Evidence, acceleration: &Evidence, step_s: f64) -> Self {
         let all = |e: &Evidence| e.learned.iter().zip(&e.source).map(|(l, s)| l + s).collect();
         Self { configuration: all(configuration), acceleration: all(acceleration), step_s, root: 1.0 }
+    }
+
+    /// The same with the terms of accelerations as much larger as [`ACCELERATION`] makes them smaller: a correction that nothing was learned of has to come and go
+    /// smoothly.
+    pub fn firm(mut self) -> Self {
+        self.acceleration.iter_mut().for_each(|w| *w /= ACCELERATION);
+        self
     }
 
     /// As a matrix.

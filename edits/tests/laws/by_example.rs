@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use edits::by_example::{ByExample, ExampleEdit, ExampleOptions, Outputs, Pair, Rig, outputs, poses};
+use edits::by_example::{Axes, ByExample, ExampleEdit, ExampleOptions, Outputs, Pair, Rig, outputs, poses};
 use edits::{ClipEdit, EditLog, Motion, Where};
 use motion::rotation::{Quat, Vec3, exp, log};
 use motion::symmetry::Symmetry;
@@ -327,4 +327,31 @@ fn bad_examples_are_named() {
         ExampleEdit::learn(&[good], &options).unwrap_err().to_string(),
         "`examples_hz` is 0; allowed: above 0",
     );
+}
+
+/// Differences are in the axes in which the examples agree: those of the joint for what turns with it, those of its parent for what does not. What is
+/// learned of both comes back on another walk.
+#[test]
+fn the_axes_are_those_of_the_edit() {
+    let (clip, unseen) = (walk(60.0, 3.0, 0.0), walk(60.0, 2.0, 0.7));
+    let raised = |clip: &Clip, axes: Axes| {
+        let s = clip.skeleton.clone();
+        let mut out = clip.clone();
+        for f in 0..clip.frames() {
+            for (link, sign) in [(2, 1.0), (4, -1.0)] {
+                let r = s.rotation(clip.pose(f), link);
+                let by = exp(&(Vec3::z() * (0.8 * sign)));
+                s.set_rotation(out.pose_mut(f), link, &if axes == Axes::Joint { r * by } else { by * r });
+            }
+        }
+        out
+    };
+    for axes in [Axes::Joint, Axes::Parent] {
+        let pair = Pair::new("walk", clip.clone(), raised(&clip, axes));
+        let edit = ExampleEdit::learn(&[pair], &ExampleOptions::default()).unwrap();
+        assert_eq!(edit.rig.axes, axes);
+        let result = applied(&ByExample::new(Arc::new(edit)), &unseen, &Where::default());
+        let (turn, _) = apart(&result, &raised(&unseen, axes));
+        assert!(turn < 0.03, "{axes:?}: {turn} rad");
+    }
 }

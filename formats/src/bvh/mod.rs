@@ -6,7 +6,8 @@
 //!
 //! | file | holds |
 //! |---|---|
-//! | `number` | correctly rounded decimals |
+//! | `number` | correctly rounded decimals, read |
+//! | `fixed` | the same, written |
 //! | `parse` | bytes to [`Bvh`], errors with line and column |
 //! | `pose` | where the joints of a frame are |
 //! | `guess` | the unit of length |
@@ -33,6 +34,7 @@ use super::FileError;
 use super::limits::{self, CLIP_BYTES};
 use motion::Clip;
 
+mod fixed;
 mod glitches;
 mod guess;
 mod import;

@@ -36,6 +36,8 @@ use thiserror::Error;
 use motion::rotation::{EulerOrder, Quat, Vec3};
 use motion::{Clip, Joint, Skeleton, Transform};
 
+use super::fixed;
+
 /// How a clip is written.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct WriteOptions {
@@ -235,10 +237,12 @@ impl Writer<'_> {
     fn vector(&mut self, v: Vec3) {
         let half_digit = 0.5 * 0.1f64.powi(self.decimals as i32);
         for k in 0..3 {
-            let separator = if k == 0 { "" } else { " " };
+            if k > 0 {
+                self.out.push(' ');
+            }
             // no `-0.000000`
             let x = if v[k].abs() < half_digit { 0.0 } else { v[k] };
-            let _ = write!(self.out, "{separator}{x:.*}", self.decimals);
+            fixed::push(&mut self.out, x, self.decimals);
         }
     }
 }

@@ -1,8 +1,9 @@
-//! Marginal likelihood of examples over the three logarithms, with its gradient.
+//! Marginal likelihood of examples over the logarithms of its numbers, with its gradient.
 //!
 //! −ln p(Y | X) = Σ over halves of ½ c tr(Yᵀ K⁻¹ Y) + ½ D (ln|K| + N ln 2π), with D all target coordinates and c = 2 for
 //! examples with images (even targets are √2 Y after the change of coordinates), else 1. G = ½ (D K⁻¹ − c α αᵀ), α = K⁻¹ Y; the
-//! derivative by a logarithm is the sum of G ∘ ∂K, and ∂K by ln σ_f², ln l, ln σ_n² is K_f, K_f ∘ r²/l², σ_n² I.
+//! derivative by a logarithm is the sum of G ∘ ∂K, and ∂K by ln σ_f², ln l, ln σ_n² is K_f, K_f ∘ r²/l², σ_n² I; by ln l of a group
+//! K_f ∘ r_g²/l_g².
 //!
 //! One exponential for each two points and one for each point and image serve both halves, values and derivatives.
 
@@ -11,6 +12,7 @@ use crate::cloud::{Cloud, Squared};
 use crate::dense::dot;
 use crate::descend::Objective;
 use crate::error::FitError;
+use crate::examples::Examples;
 use crate::parity::Sign;
 use crate::rbf::RbfKernel;
 use crate::rbf::targets::Targets;
@@ -24,7 +26,7 @@ pub(crate) struct Range {
 
 impl Range {
     /// From and to.
-    pub fn new(from: f64, to: f64) -> Self {
+    pub const fn new(from: f64, to: f64) -> Self {
         Range { middle: 0.5 * (from + to), half: 0.5 * (to - from) }
     }
 
@@ -47,13 +49,23 @@ impl Range {
     }
 }
 
+/// Ranges of the logarithms; all lengths have one.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Ranges {
+    pub signal: Range,
+    pub length: Range,
+    pub noise: Range,
+}
+
 /// What is minimised.
 pub(crate) struct Evidence<'a> {
     targets: &'a Targets,
-    /// Squared distances, N × N, own and to images.
-    squared: Squared,
+    /// Squared distances in each group of coordinates, N × N, own and to images.
+    squared: Vec<Squared>,
+    /// Their sums in units of the lengths, where there is more than one; lower triangle.
+    sum: Squared,
     n: usize,
-    ranges: [Range; 3],
+    ranges: Ranges,
     own: Vec<f64>,
     image: Vec<f64>,
     factor: Factor,
@@ -64,13 +76,28 @@ pub(crate) struct Evidence<'a> {
 }
 
 impl<'a> Evidence<'a> {
-    pub fn new(cloud: &Cloud, targets: &'a Targets, ranges: [Range; 3]) -> Self {
+    pub fn new(cloud: &Cloud, examples: &Examples, targets: &'a Targets, ranges: Ranges) -> Self {
         let n = cloud.len();
-        let mut squared = Squared::default();
-        cloud.squared(cloud.points(), n, &mut squared);
+        let distances = |cloud: &Cloud| {
+            let mut squared = Squared::default();
+            cloud.squared(cloud.points(), n, &mut squared);
+            squared
+        };
+        let groups = examples.groups().filter(|_| examples.group_count() > 1);
+        let squared: Vec<Squared> = match groups {
+            None => vec![distances(cloud)],
+            Some(groups) => (0..examples.group_count())
+                .map(|g| {
+                    let keep = cloud.carry(|i| groups[i] == g);
+                    if keep.contains(&true) { distances(&cloud.within(&keep)) } else { Squared::none(cloud) }
+                })
+                .collect(),
+        };
+        let sum = if squared.len() > 1 { Squared::none(cloud) } else { Squared::default() };
         Evidence {
             targets,
             squared,
+            sum,
             n,
             ranges,
             own: vec![0.0; n * n],
@@ -82,38 +109,89 @@ impl<'a> Evidence<'a> {
         }
     }
 
+    /// Range of the logarithm with this number: σ_f², lengths, σ_n².
+    fn range(&self, k: usize) -> Range {
+        match k {
+            0 => self.ranges.signal,
+            k if k <= self.squared.len() => self.ranges.length,
+            _ => self.ranges.noise,
+        }
+    }
+
     /// The kernel at the optimiser's numbers.
     pub fn kernel(&self, p: &[f64]) -> RbfKernel {
-        let at = |k: usize| self.ranges[k].leave(p[k]).0.exp();
-        RbfKernel { signal_variance: at(0), length: at(1), noise_variance: at(2) }
+        let at = |k: usize| self.range(k).leave(p[k]).0.exp();
+        let groups = self.squared.len();
+        let lengths: Vec<f64> = (1..=groups).map(at).collect();
+        let length = lengths.iter().copied().fold(f64::INFINITY, f64::min);
+        let mut kernel = RbfKernel::isotropic(at(0), length, at(groups + 1));
+        if groups > 1 {
+            kernel.weights.iter_mut().zip(&lengths).for_each(|(w, l)| *w = length / l);
+        }
+        kernel
+    }
+
+    /// Length of a group.
+    fn length(kernel: &RbfKernel, group: usize) -> f64 {
+        kernel.length / kernel.weights[group]
     }
 
     /// The optimiser's numbers of a kernel.
     pub fn parameters(&self, kernel: &RbfKernel) -> Vec<f64> {
-        let values = [kernel.signal_variance, kernel.length, kernel.noise_variance];
-        self.ranges.iter().zip(values).map(|(r, v)| r.enter(v.ln())).collect()
+        let lengths = (0..self.squared.len()).map(|g| Self::length(kernel, g));
+        std::iter::once(kernel.signal_variance)
+            .chain(lengths)
+            .chain([kernel.noise_variance])
+            .enumerate()
+            .map(|(k, v)| self.range(k).enter(v.ln()))
+            .collect()
     }
 
-    /// −ln p and its derivatives by ln σ_f², ln l, ln σ_n².
-    pub fn at(&mut self, kernel: &RbfKernel, with_gradient: bool) -> Result<(f64, [f64; 3]), FitError> {
+    /// Sums the squared distances of all groups in units of their lengths.
+    fn add_groups(&mut self, kernel: &RbfKernel) {
         let n = self.n;
-        let scale = -0.5 / kernel.length.powi(2);
+        for (g, of) in self.squared.iter().enumerate() {
+            let weight = Self::length(kernel, g).powi(-2);
+            for (sum, part) in [(&mut self.sum.own, &of.own), (&mut self.sum.image, &of.image)] {
+                for i in 0..part.len() / n {
+                    let row = i * n..i * n + i + 1;
+                    let sum = sum[row.clone()].iter_mut().zip(&part[row]);
+                    if g == 0 {
+                        sum.for_each(|(s, r)| *s = weight * r);
+                    } else {
+                        sum.for_each(|(s, r)| *s += weight * r);
+                    }
+                }
+            }
+        }
+    }
+
+    /// −ln p and its derivatives by ln σ_f², the logarithms of all lengths, ln σ_n².
+    pub fn at(&mut self, kernel: &RbfKernel, with_gradient: bool) -> Result<(f64, Vec<f64>), FitError> {
+        let n = self.n;
         let mirrored = !self.image.is_empty();
+        let (squared, scale) = if self.squared.len() > 1 {
+            self.add_groups(kernel);
+            (&self.sum, -0.5)
+        } else {
+            (&self.squared[0], -0.5 / kernel.length.powi(2))
+        };
         for i in 0..n {
             let row = i * n..i * n + i + 1;
-            for (e, r) in self.own[row.clone()].iter_mut().zip(&self.squared.own[row.clone()]) {
+            for (e, r) in self.own[row.clone()].iter_mut().zip(&squared.own[row.clone()]) {
                 *e = kernel.signal_variance * (scale * r).exp();
             }
             self.own[i * n + i] = kernel.signal_variance;
             if mirrored {
-                for (e, r) in self.image[row.clone()].iter_mut().zip(&self.squared.image[row]) {
+                for (e, r) in self.image[row.clone()].iter_mut().zip(&squared.image[row]) {
                     *e = kernel.signal_variance * (scale * r).exp();
                 }
             }
         }
         let all = self.targets.dimension() as f64;
         let mut value = 0.0;
-        let mut by = [0.0; 3];
+        let mut by = vec![0.0; 2 + self.squared.len()];
+        let last = by.len() - 1;
         for (which, part) in self.targets.parts.iter().enumerate() {
             let (own, image, sign) = (&self.own, &self.image, part.sign);
             let fill = |k: &mut [f64]| {
@@ -148,7 +226,7 @@ impl<'a> Evidence<'a> {
             self.factor.invert(&mut self.inverse);
             let g = &mut self.slopes[which];
             gram_of_lower_less(&self.inverse, n, 0.5 * all, &self.alpha, part.columns, 0.5 * weight, g);
-            by[2] += kernel.noise_variance * (0..n).map(|i| g[i * n + i]).sum::<f64>();
+            by[last] += kernel.noise_variance * (0..n).map(|i| g[i * n + i]).sum::<f64>();
         }
         if with_gradient {
             self.sum_slopes(kernel, &mut by);
@@ -156,36 +234,43 @@ impl<'a> Evidence<'a> {
         Ok((value, by))
     }
 
-    /// Sums of G ∘ K_f and G ∘ K_f ∘ r²/l² over the symmetric matrices.
-    fn sum_slopes(&self, kernel: &RbfKernel, by: &mut [f64; 3]) {
+    /// Sums of G ∘ K_f, and of G ∘ K_f ∘ r²/l² of each group, over the symmetric matrices. G of the halves becomes G ∘ K_f of points and of
+    /// images.
+    fn sum_slopes(&mut self, kernel: &RbfKernel, by: &mut [f64]) {
         let n = self.n;
-        let (mut signal, mut length) = (0.0, 0.0);
+        let [first, second] = &mut self.slopes;
+        let mut signal = 0.0;
         for i in 0..n {
-            let row = i * n..i * n + i;
-            let g = &self.slopes[0][row.clone()];
-            let (own, r) = (&self.own[row.clone()], &self.squared.own[row.clone()]);
-            let diagonal = i * n + i;
+            let (row, diagonal) = (i * n..i * n + i, i * n + i);
+            let (g, own) = (&mut first[row.start..=diagonal], &self.own[row.start..=diagonal]);
             if self.image.is_empty() {
-                signal += 2.0 * dot(g, own) + self.slopes[0][diagonal] * self.own[diagonal];
-                length += 2.0 * g.iter().zip(own.iter().zip(r)).map(|(g, (e, r))| g * e * r).sum::<f64>();
+                g.iter_mut().zip(own).for_each(|(g, k)| *g *= k);
+                signal += 2.0 * g[..i].iter().sum::<f64>() + g[i];
                 continue;
             }
-            let h = &self.slopes[1][row.clone()];
-            let (image, s) = (&self.image[row.clone()], &self.squared.image[row]);
-            let (mut a, mut b) = (0.0, 0.0);
-            for k in 0..i {
-                let own = (g[k] + h[k]) * own[k];
-                let image = (g[k] - h[k]) * image[k];
-                a += own + image;
-                b += own * r[k] + image * s[k];
+            let (h, image) = (&mut second[row.start..=diagonal], &self.image[row.start..=diagonal]);
+            let mut sum = 0.0;
+            for k in 0..=i {
+                let (a, b) = ((g[k] + h[k]) * own[k], (g[k] - h[k]) * image[k]);
+                (g[k], h[k]) = (a, b);
+                sum += a + b;
             }
-            let (g, h) = (self.slopes[0][diagonal], self.slopes[1][diagonal]);
-            let image = (g - h) * self.image[diagonal];
-            signal += 2.0 * a + (g + h) * self.own[diagonal] + image;
-            length += 2.0 * b + image * self.squared.image[diagonal];
+            signal += 2.0 * sum - (g[i] + h[i]);
         }
         by[0] = signal;
-        by[1] = length / kernel.length.powi(2);
+        for (group, of) in self.squared.iter().enumerate() {
+            let mut length = 0.0;
+            for i in 0..n {
+                let row = i * n..i * n + i;
+                length += 2.0 * dot(&first[row.clone()], &of.own[row.clone()]);
+                if !self.image.is_empty() {
+                    let diagonal = i * n + i;
+                    length += 2.0 * dot(&second[row.clone()], &of.image[row])
+                        + second[diagonal] * of.image[diagonal];
+                }
+            }
+            by[1 + group] = length / Self::length(kernel, group).powi(2);
+        }
     }
 }
 
@@ -193,8 +278,8 @@ impl Objective for Evidence<'_> {
     fn evaluate(&mut self, p: &[f64], gradient: &mut [f64]) -> Result<f64, FitError> {
         let kernel = self.kernel(p);
         let (value, by) = self.at(&kernel, true)?;
-        for k in 0..3 {
-            gradient[k] = by[k] * self.ranges[k].leave(p[k]).1;
+        for (k, (g, by)) in gradient.iter_mut().zip(&by).enumerate() {
+            *g = by * self.range(k).leave(p[k]).1;
         }
         Ok(value)
     }

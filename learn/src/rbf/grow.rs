@@ -2,7 +2,7 @@
 
 use super::half::{Half, join};
 use super::targets::Targets;
-use super::{RbfRegression, not_definite};
+use super::{RbfRegression, Weighted, not_definite};
 use crate::cloud::{Cloud, Squared};
 use crate::error::FitError;
 use crate::examples::Examples;
@@ -21,14 +21,19 @@ impl RbfRegression {
             return self.again(examples);
         }
         let cloud = self.cloud.and(more);
-        let added = cloud.subset(&(was..cloud.len()).collect::<Vec<_>>());
+        let weighted = self
+            .weighted
+            .as_ref()
+            .map(|w| Weighted { cloud: cloud.scaled(&w.scales), scales: w.scales.clone() });
+        let seen = weighted.as_ref().map_or(&cloud, |w| &w.cloud);
+        let added = seen.subset(&(was..cloud.len()).collect::<Vec<_>>());
         let new = Targets::about(more, self.targets.parity.clone(), self.targets.centre.clone());
         let mut targets = self.targets.clone();
         for (t, n) in targets.parts.iter_mut().zip(&new.parts) {
             t.values.extend_from_slice(&n.values);
         }
         let halves = match &self.inducing {
-            None => self.more_rows(&cloud, &added, &new)?,
+            None => self.more_rows(seen, &added, &new)?,
             Some(inducing) => {
                 let mut squared = Squared::default();
                 inducing.cloud.squared(added.points(), added.len(), &mut squared);
@@ -44,7 +49,8 @@ impl RbfRegression {
             }
         };
         self.extent = cloud.extent_grown(&examples, &self.extent, was);
-        (self.examples, self.cloud, self.targets, self.halves) = (examples, cloud, targets, halves);
+        (self.examples, self.cloud, self.weighted) = (examples, cloud, weighted);
+        (self.targets, self.halves) = (targets, halves);
         self.log_likelihood = self.likelihood();
         Ok(())
     }

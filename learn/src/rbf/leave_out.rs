@@ -110,7 +110,7 @@ impl RbfRegression {
         let (n, d) = (self.cloud.len(), self.targets.dimension());
         let mut cross = Squared::default();
         if let Some(inducing) = &self.inducing {
-            inducing.cloud.squared(self.cloud.points(), n, &mut cross);
+            inducing.cloud.squared(self.seen().points(), n, &mut cross);
             self.kernel.of(&mut cross.own);
             self.kernel.of(&mut cross.image);
         }

@@ -11,6 +11,11 @@
 //! a rule that is the same everywhere has a likelihood that grows with l without an end, and the edit would be
 //! carried to whatever motion comes.
 //!
+//! **Groups.** Where input coordinates are in groups ([`Examples::with_groups`]) each group has a length of its own (automatic relevance determination; Neal,
+//! Bayesian Learning for Neural Networks, 1996), learned with the others from the same start: r²/l² is Σ r_g²/l_g². An edit that follows the speed of a body
+//! and not its pose is then a function of the speed. A length may be up to ten diameters: what does not matter is not looked at. Novelty
+//! ([`Batch::novelty`]) stays the distance in all coordinates, so that what is new in any way is known as new.
+//!
 //! **What is not learned.** Targets that are all zero (root mean square below 10⁻⁹): the likelihood has no bound as both
 //! variances go to 0. The kernel is then the start with s² = 1, the mean is zero everywhere, the variance small near the examples. Inputs
 //! all at one place, one example among them: nothing tells l. The kernel is the start with l a tenth of the input's
@@ -40,9 +45,9 @@ use crate::cloud::{Cloud, Extent};
 use crate::dense::dot;
 use crate::descend::{Watch, Watched};
 use crate::error::FitError;
-use crate::examples::Examples;
+use crate::examples::{Examples, GROUPS};
 use crate::gplvm::Learning;
-use evidence::{Evidence, Range};
+use evidence::{Evidence, Range, Ranges};
 use half::{Half, exact, through};
 pub use leave_out::Residuals;
 pub use predict::Batch;
@@ -56,6 +61,8 @@ const NOISE: (f64, f64) = (1e-7, 10.0);
 const SIGNAL: (f64, f64) = (1e-6, 1e3);
 /// Least l over the diameter.
 const LENGTH: f64 = 1e-3;
+/// Largest length of a group over the diameter.
+const GROUP_LENGTH: f64 = 10.0;
 /// Most examples, images counted, that a kernel is learned from when there are many.
 const LEARN_FROM: usize = 2000;
 /// Neighbours in each run of examples that a kernel is learned from when there are many.
@@ -63,7 +70,7 @@ const RUN: usize = 20;
 /// Part of s² that is noise at the start.
 const START_NOISE: f64 = 0.01;
 
-/// The three numbers.
+/// The three numbers, and how much groups of input coordinates count.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct RbfKernel {
@@ -73,9 +80,23 @@ pub struct RbfKernel {
     pub length: f64,
     /// σ_n², squared units of the targets.
     pub noise_variance: f64,
+    /// How much a difference in each group of input coordinates counts: its length is `length` over its weight. 1 of the group that counts most, and
+    /// of groups that there are not.
+    pub weights: [f64; GROUPS],
 }
 
 impl RbfKernel {
+    /// All coordinates count alike.
+    pub const fn isotropic(signal_variance: f64, length: f64, noise_variance: f64) -> Self {
+        RbfKernel { signal_variance, length, noise_variance, weights: [1.0; GROUPS] }
+    }
+
+    /// Scales of the entered coordinates of a cloud; `None` where all count alike.
+    fn scales(&self, examples: &Examples, cloud: &Cloud) -> Option<Vec<f64>> {
+        let groups = examples.groups()?;
+        Some(cloud.carry(|i| self.weights[groups[i]])).filter(|s| s.iter().any(|s| *s != 1.0))
+    }
+
     fn check(&self) -> Result<(), FitError> {
         for (name, value) in [
             ("signal_variance", self.signal_variance),
@@ -85,6 +106,9 @@ impl RbfKernel {
             if !(value.is_finite() && value > 0.0) {
                 return Err(FitError::Setting { name, value, allowed: "positive".into() });
             }
+        }
+        if let Some(&value) = self.weights.iter().find(|w| !(**w > 0.0 && **w <= 1.0)) {
+            return Err(FitError::Setting { name: "weights", value, allowed: "above 0, at most 1".into() });
         }
         Ok(())
     }
@@ -129,11 +153,20 @@ pub struct RbfRegression {
     learning: Learning,
     log_likelihood: f64,
     cloud: Cloud,
+    /// What the kernel sees, where groups have weights.
+    weighted: Option<Weighted>,
     extent: Extent,
     /// Inducing points; none if the examples are taken as they are.
     inducing: Option<Inducing>,
     targets: Targets,
     halves: Vec<Half>,
+}
+
+/// The examples in the metric of the kernel.
+#[derive(Clone, Debug, PartialEq)]
+struct Weighted {
+    scales: Vec<f64>,
+    cloud: Cloud,
 }
 
 #[derive(Clone, Debug, PartialEq)]
@@ -215,13 +248,16 @@ impl RbfRegression {
         let cloud = Cloud::of(&examples);
         let extent = cloud.extent(&examples);
         let targets = Targets::of(&examples, options.centre);
+        let weighted =
+            kernel.scales(&examples, &cloud).map(|scales| Weighted { cloud: cloud.scaled(&scales), scales });
+        let seen = weighted.as_ref().map_or(&cloud, |w| &w.cloud);
         let inducing = (examples.effective() > options.exact_up_to).then(|| {
-            let (chosen, reach) = cloud.farthest(options.inducing);
-            Inducing { cloud: cloud.subset(&chosen), reach }
+            let (chosen, reach) = seen.farthest(options.inducing);
+            Inducing { cloud: seen.subset(&chosen), reach }
         });
         let halves = match &inducing {
-            None => exact(&cloud, &targets, &kernel)?,
-            Some(inducing) => through(&inducing.cloud, &cloud, &targets, &kernel)?,
+            None => exact(seen, &targets, &kernel)?,
+            Some(inducing) => through(&inducing.cloud, seen, &targets, &kernel)?,
         };
         let mut model = RbfRegression {
             examples,
@@ -230,6 +266,7 @@ impl RbfRegression {
             learning,
             log_likelihood: 0.0,
             cloud,
+            weighted,
             extent,
             inducing,
             targets,
@@ -286,7 +323,12 @@ impl RbfRegression {
 
     /// What kernels are taken to.
     fn basis(&self) -> &Cloud {
-        self.inducing.as_ref().map_or(&self.cloud, |i| &i.cloud)
+        self.inducing.as_ref().map_or(self.seen(), |i| &i.cloud)
+    }
+
+    /// All examples as the kernel sees them.
+    fn seen(&self) -> &Cloud {
+        self.weighted.as_ref().map_or(&self.cloud, |w| &w.cloud)
     }
 
     /// ln p of the halves.
@@ -338,20 +380,20 @@ fn learn(
     let targets = Targets::of(examples, options.centre);
     let zero = targets.mean_square() < ZERO * ZERO;
     let square = if zero { 1.0 } else { targets.mean_square() };
-    let start =
-        RbfKernel { signal_variance: square, length: extent.median, noise_variance: START_NOISE * square };
+    let start = RbfKernel::isotropic(square, extent.median, START_NOISE * square);
     if zero {
         return Ok((start, unlearned("all targets are zero")));
     }
     if extent.diameter == 0.0 {
         return Ok((start, unlearned("all inputs are at one place")));
     }
-    let ranges = [
-        Range::new((SIGNAL.0 * square).ln(), (SIGNAL.1 * square).ln()),
-        Range::new((LENGTH * extent.diameter).ln(), extent.diameter.ln()),
-        Range::new((NOISE.0 * square).ln(), (NOISE.1 * square).ln()),
-    ];
-    let mut evidence = Evidence::new(&cloud, &targets, ranges);
+    let longest = if examples.group_count() > 1 { GROUP_LENGTH } else { 1.0 } * extent.diameter;
+    let ranges = Ranges {
+        signal: Range::new((SIGNAL.0 * square).ln(), (SIGNAL.1 * square).ln()),
+        length: Range::new((LENGTH * extent.diameter).ln(), longest.ln()),
+        noise: Range::new((NOISE.0 * square).ln(), (NOISE.1 * square).ln()),
+    };
+    let mut evidence = Evidence::new(&cloud, examples, &targets, ranges);
     let from = evidence.parameters(&start);
     let d = Watched::new(&mut evidence, watch).descend(from, options.iterations)?;
     let kernel = evidence.kernel(&d.point);

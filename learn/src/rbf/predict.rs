@@ -4,7 +4,7 @@ use nalgebra::DMatrix;
 
 use super::RbfRegression;
 use super::half::join;
-use crate::cloud::{CHUNK, Squared};
+use crate::cloud::{CHUNK, Squared, scale};
 use crate::error::InputError;
 use crate::parity::Sign;
 use crate::regressor::{Prediction, Scratch};
@@ -45,15 +45,22 @@ impl RbfRegression {
     pub fn predict_batch(&self, inputs: &DMatrix<f64>) -> Result<Batch, InputError> {
         let (rows, d) = (inputs.nrows(), self.targets.dimension());
         let mut out = Batch::empty(rows, d);
-        let (mut row, mut x) = (Vec::new(), Vec::new());
+        let (mut row, mut x, mut seen) = (Vec::new(), Vec::new(), Vec::new());
         let (mut squared, mut near) = (Squared::default(), Squared::default());
         let (mut k, mut second, mut mean) = (Vec::new(), Vec::new(), Vec::new());
         let (mut parts, mut back) = (vec![0.0; CHUNK * d], vec![0.0; d]);
         let dim = self.cloud.dim();
         for from in (0..rows).step_by(CHUNK) {
             let count = self.cloud.enter_chunk(inputs, from, &mut row, &mut x)?;
-            self.basis().squared(&x, CHUNK, &mut squared);
-            let distances = if self.inducing.is_some() {
+            if let Some(weighted) = &self.weighted {
+                seen.clear();
+                seen.extend_from_slice(&x);
+                seen.chunks_exact_mut(dim).for_each(|x| scale(x, &weighted.scales));
+                self.basis().squared(&seen, CHUNK, &mut squared);
+            } else {
+                self.basis().squared(&x, CHUNK, &mut squared);
+            }
+            let distances = if self.inducing.is_some() || self.weighted.is_some() {
                 self.cloud.squared(&x, CHUNK, &mut near);
                 &near
             } else {
@@ -107,8 +114,11 @@ impl RbfRegression {
             own.iter().chain(image.iter().take((images - 1) * all)).fold(f64::INFINITY, |a, v| a.min(*v));
         out.novelty = least.sqrt() / self.extent.spacing;
         let (own, image) = scratch.squared[..images * n].split_at_mut(n);
-        if let Some(inducing) = &self.inducing {
-            inducing.cloud.squared_one(&scratch.input, own, image);
+        if let Some(weighted) = &self.weighted {
+            scale(&mut scratch.input, &weighted.scales);
+        }
+        if self.inducing.is_some() || self.weighted.is_some() {
+            self.basis().squared_one(&scratch.input, own, image);
         }
         self.kernel.of(own);
         self.kernel.of(image);

@@ -2,13 +2,18 @@
 
 use nalgebra::DMatrix;
 
-use super::evidence::{Evidence, Range};
+use super::evidence::{Evidence, Range, Ranges};
 use super::targets::Targets;
 use super::{RbfKernel, RbfOptions, RbfRegression};
 use crate::cloud::Cloud;
 use crate::examples::{Examples, Mirror};
 
-const KERNEL: RbfKernel = RbfKernel { signal_variance: 0.8, length: 1.3, noise_variance: 0.01 };
+const KERNEL: RbfKernel = RbfKernel::isotropic(0.8, 1.3, 0.01);
+
+const WIDE: Ranges = {
+    let all = Range::new(-20.0, 10.0);
+    Ranges { signal: all, length: all, noise: all }
+};
 
 fn inputs(first: usize, count: usize) -> DMatrix<f64> {
     DMatrix::from_fn(count, 5, |r, k| {
@@ -80,10 +85,11 @@ fn the_regression_is_that_of_scikit_learn() {
         let y = targets(&x);
         let examples = Examples::new(x, y, mirror).unwrap();
         let (cloud, targets) = (Cloud::of(&examples), Targets::of(&examples, false));
-        let mut evidence = Evidence::new(&cloud, &targets, [Range::new(-20.0, 10.0); 3]);
+        let mut evidence = Evidence::new(&cloud, &examples, &targets, WIDE);
         let (value, by) = evidence.at(&KERNEL, true).unwrap();
         let mut seen = vec![apart(&[-value], &[theirs.likelihood])];
-        seen.push(apart(&by.map(|v| -v), &theirs.gradient));
+        let down: Vec<f64> = by.iter().map(|v| -v).collect();
+        seen.push(apart(&down, &theirs.gradient));
 
         let options = RbfOptions { kernel: Some(KERNEL), ..RbfOptions::default() };
         let model = RbfRegression::fit(&examples, &options).unwrap();
@@ -105,25 +111,29 @@ fn the_regression_is_that_of_scikit_learn() {
     }
 }
 
-/// The gradient is that of differences, with images and without, at kernels far apart.
+/// The gradient is that of differences, with images and without, with groups and without, at kernels far apart.
 #[test]
 fn the_gradient_is_the_slope() {
     use crate::descend::Objective;
-    for mirror in [None, Some(mirror())] {
-        let x = inputs(0, 90);
-        let y = targets(&x);
-        let examples = Examples::new(x, y, mirror).unwrap();
+    for (mirror, groups) in [(None, 1), (Some(mirror()), 1), (None, 3), (Some(mirror()), 3)] {
+        let examples = in_groups(mirror, groups);
         let (cloud, targets) = (Cloud::of(&examples), Targets::of(&examples, true));
-        let ranges = [Range::new(-6.0, 4.0), Range::new(-3.0, 1.5), Range::new(-9.0, 2.0)];
-        let mut evidence = Evidence::new(&cloud, &targets, ranges);
-        for p in [[0.0, 0.0, 0.0], [1.0, -0.5, -3.0], [-2.0, 1.0, 2.0]] {
-            let mut gradient = [0.0; 3];
+        let ranges = Ranges {
+            signal: Range::new(-6.0, 4.0),
+            length: Range::new(-3.0, 1.5),
+            noise: Range::new(-9.0, 2.0),
+        };
+        let mut evidence = Evidence::new(&cloud, &examples, &targets, ranges);
+        for [signal, length, noise] in [[0.0, 0.0, 0.0], [1.0, -0.5, -3.0], [-2.0, 1.0, 2.0]] {
+            let lengths = (0..groups).map(|g| length + 0.2 * g as f64);
+            let p: Vec<f64> = [signal].into_iter().chain(lengths).chain([noise]).collect();
+            let mut gradient = vec![0.0; p.len()];
             evidence.evaluate(&p, &mut gradient).unwrap();
-            for k in 0..3 {
+            for k in 0..p.len() {
                 let mut at = |h: f64| {
-                    let mut p = p;
+                    let mut p = p.clone();
                     p[k] += h;
-                    evidence.evaluate(&p, &mut [0.0; 3]).unwrap()
+                    evidence.evaluate(&p, &mut vec![0.0; p.len()]).unwrap()
                 };
                 let h = 1e-4;
                 let slope = (8.0 * (at(h) - at(-h)) - (at(2.0 * h) - at(-2.0 * h))) / (12.0 * h);
@@ -132,6 +142,14 @@ fn the_gradient_is_the_slope() {
             }
         }
     }
+}
+
+/// Ninety examples, coordinates in so many groups that the mirror keeps.
+fn in_groups(mirror: Option<Mirror>, groups: usize) -> Examples {
+    let x = inputs(0, 90);
+    let y = targets(&x);
+    let of = if groups == 1 { vec![0; 5] } else { vec![0, 0, 1, 2, 2] };
+    Examples::new(x, y, mirror).and_then(|e| e.with_groups(of)).unwrap()
 }
 
 /// Two halves have the likelihood and the gradient of examples with their images appended, to rounding.
@@ -151,7 +169,7 @@ fn two_halves_are_the_whole() {
     let halves = Examples::new(x, y, Some(m)).unwrap();
     let at = |e: &Examples| {
         let (cloud, targets) = (Cloud::of(e), Targets::of(e, false));
-        Evidence::new(&cloud, &targets, [Range::new(-20.0, 10.0); 3]).at(&KERNEL, true).unwrap()
+        Evidence::new(&cloud, e, &targets, WIDE).at(&KERNEL, true).unwrap()
     };
     let (a, b) = (at(&halves), at(&whole));
     assert!((a.0 / b.0 - 1.0).abs() < 1e-12, "{} {}", a.0, b.0);

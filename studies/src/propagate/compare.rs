@@ -14,8 +14,9 @@
 use std::sync::Arc;
 
 use edits::by_example::features::{Features, Recognised};
+use edits::by_example::model::choose_axes;
 use edits::by_example::outputs::{self, Allowed};
-use edits::by_example::{ByExample, ExampleEdit, ExampleOptions, Pair, Rig};
+use edits::by_example::{Axes, ByExample, ExampleEdit, ExampleOptions, Pair, Rig};
 use edits::{Motion, Where};
 use learn::ExampleMethod;
 use motion::Clip;
@@ -149,9 +150,12 @@ pub fn error(
             }
             (Way::Nearest, Some(edit), _) => {
                 let answer = edit.answer(&pair.source)?;
-                applied(&rig, &pair.source, &answer.predicted)
+                applied(&rig.with_axes(edit.rig.axes), &pair.source, &answer.predicted)
             }
-            (_, _, Some(linear)) => applied(&rig, &pair.source, &linear.predict(&rig, &pair.source)),
+            (_, _, Some(linear)) => {
+                let rig = rig.with_axes(linear.axes);
+                applied(&rig, &pair.source, &linear.predict(&rig, &pair.source))
+            }
             _ => {
                 let share = count as f64 * pair.source.frames() as f64 / total as f64;
                 applied(&rig, &pair.source, &keyed(&rig, pair, share.round().max(2.0) as usize))
@@ -190,6 +194,7 @@ struct Linear {
     mean: Vec<f64>,
     weights: DMatrix<f64>,
     recognised: Recognised,
+    axes: Axes,
 }
 
 /// Ridge, as a share of the mean of the diagonal.
@@ -209,8 +214,9 @@ impl Linear {
 
     fn learn(pairs: &[Pair], options: &ExampleOptions) -> Result<Self, PropagateError> {
         let (mut x, mut y): (Vec<DMatrix<f64>>, Vec<DMatrix<f64>>) = (Vec::new(), Vec::new());
+        let axes = choose_axes(pairs, options)?;
         for pair in pairs {
-            let rig = Rig::of(&pair.source.skeleton)?;
+            let rig = Rig::of(&pair.source.skeleton)?.with_axes(axes);
             let frames = pair.examples(1e9)?;
             x.push(Self::rows(&rig, &pair.source, &frames, options.recognised()));
             let d = outputs::differences((&rig, &pair.source), (&rig, &pair.target), pair.times_s.as_deref());
@@ -232,7 +238,7 @@ impl Linear {
             gram[(i, i)] += ridge;
         }
         let alpha = gram.cholesky().map(|c| c.solve(&y)).expect("a ridge makes it definite");
-        Ok(Self { mean, weights: centred.transpose() * alpha, recognised: options.recognised() })
+        Ok(Self { mean, weights: centred.transpose() * alpha, recognised: options.recognised(), axes })
     }
 
     fn predict(&self, rig: &Rig, clip: &Clip) -> DMatrix<f64> {
