@@ -59,6 +59,7 @@ fn standing(reactive: Vec<Box<dyn Reactive>>) -> Run {
         tilts: Vec::new(),
         carried: Vec::new(),
         past_fall: false,
+        foresight: None,
     };
     pass.start(&EngineEntry::default()).unwrap()
 }

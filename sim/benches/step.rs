@@ -73,6 +73,7 @@ fn whole(c: &Arc<Character>, scripted: bool) -> Run {
         tilts: Vec::new(),
         carried: Vec::new(),
         past_fall: false,
+        foresight: None,
     };
     pass.start(&EngineEntry::default()).unwrap()
 }

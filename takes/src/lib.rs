@@ -21,7 +21,9 @@
 //! | [`standing`] | the parts of a clip a body can perform on its own feet |
 //! | [`styles`] | style components of two takes, put into a third |
 //! | `pins` | the pins of a scene, held after every other edit |
+//! | `stepping` | what is done to a motion before it is performed with foresight |
 //! | [`perform`] | the dynamic pass |
+//! | [`replay`] | offsets that foresight chose, as a file |
 //! | [`results`] | what a take leaves |
 //! | [`inspect`] | what is in a file |
 //! | [`export`] | a body as MJCF |
@@ -48,12 +50,14 @@ mod pins;
 pub mod posing;
 mod possible;
 pub mod progress;
+pub mod replay;
 pub mod results;
 pub mod retargeting;
 pub mod script;
 pub mod slides;
 pub mod standing;
 pub mod starter;
+mod stepping;
 pub mod styles;
 pub mod take;
 mod user_programs;
@@ -76,5 +80,6 @@ pub use results::write::{What, WriteError, Written};
 pub use retarget;
 pub use scenes::conditions::{ENGINE, SEARCH_ENGINE};
 pub use scenes::{Overrides, Patch, SceneError, character_file, library, overrides};
+pub use sim::foresight;
 pub use sim::{EngineEntry, Engines, Outcome, UnknownEngine};
 pub use take::{Asked, Body, ClipSource, RetargetSource, Source, Take};

@@ -63,7 +63,8 @@ impl PerformError {
     /// Whether the fault lies in the input rather than in the run.
     pub fn is_input(&self) -> bool {
         let program = matches!(self, Self::Pass(PassError::Reactive(ReactiveError::Program { .. })));
-        program || matches!(self, Self::Engine(_) | Self::Slides(_))
+        let replay = matches!(self, Self::Pass(PassError::Replay(_)));
+        program || replay || matches!(self, Self::Engine(_) | Self::Slides(_))
     }
 }
 

@@ -10,9 +10,9 @@
 use motion::rotation::exp;
 use motion::{Floor, Vec3};
 
-use super::Core;
 use super::contact::{self, Ground};
 use super::momentum::Whole;
+use super::{Core, Effort};
 use crate::Impulse;
 
 /// Velocity of a loaded contact that a correction may leave, m/s.
@@ -25,6 +25,8 @@ const CONTRACTION: f64 = 0.25;
 const HALVINGS: usize = 5;
 /// Residual of the contacts at which their solution ends, over m g dt.
 const TARGET: f64 = 1e-7;
+/// The same of a rough substep.
+const ROUGH: f64 = 1e-3;
 
 impl Core {
     /// Advances by `dt` seconds, `begin` seconds after the control step began. `self.state` is of the present pose and velocity, before
@@ -49,6 +51,7 @@ impl Core {
     fn substep(&mut self, dt: f64, ground: Option<&Ground>, may_halve: bool) -> Result<bool, usize> {
         let (n, held) = (self.model.nv(), self.held());
         let settles = held == 0 && self.free_root();
+        let exact = self.effort == Effort::Exact;
         let start = Whole::of(&self.model, &self.state);
         self.state.mass_matrix(&self.model, &mut self.mass);
         self.state.bias(&self.model, &self.v, &mut self.force);
@@ -103,13 +106,13 @@ impl Core {
             let missing = self.missing(&start, &outside, &now, ground);
             let (shift, spin) = now.motion(self.model.mass, &missing.moved(&(now.com - start.com)));
             let slip = self.slip(&now.com, &shift, &spin);
-            if slip > FELT && (repeat == REPEATS || slip > CONTRACTION * least) && may_halve {
+            if slip > FELT && (repeat == REPEATS || slip > CONTRACTION * least) && may_halve && exact {
                 self.q.copy_from_slice(&self.before);
                 self.v.copy_from_slice(&self.before_v);
                 self.state.update(&self.model, &self.q, &self.v);
                 return Ok(false);
             }
-            if slip > FELT && repeat < REPEATS && slip <= CONTRACTION * least {
+            if exact && slip > FELT && repeat < REPEATS && slip <= CONTRACTION * least {
                 least = slip;
                 // put in before the contacts, which answer to it
                 fed += missing;
@@ -161,7 +164,8 @@ impl Core {
         self.v.copy_from_slice(&self.free);
         let (Some(floor), false) = (self.settings.ground, self.contacts.is_empty()) else { return };
         let weight = self.weight() * dt;
-        let effort = self.solver.solve(&self.contacts, &self.response, floor.friction, TARGET * weight);
+        let target = weight * if self.effort == Effort::Exact { TARGET } else { ROUGH };
+        let effort = self.solver.solve(&self.contacts, &self.response, floor.friction, target);
         self.ledger.solved(effort.sweeps, effort.steps, effort.residual / weight);
         self.response.gather(&self.tree, &self.touching, &self.solver.wrenches, &mut self.change);
         self.factor.solve_outward(&self.tree, &mut self.change, held);

@@ -265,7 +265,8 @@ fn shape(d: &mut Digest, shape: &Shape) {
 }
 
 fn conditions(d: &mut Digest, conditions: &Conditions) {
-    let Conditions { physics: numbers, tilts, pushes, carried, gazes, programs, engine: _ } = conditions;
+    let Conditions { physics: numbers, tilts, pushes, carried, gazes, programs, engine: _, foresight } =
+        conditions;
     physics(d, numbers);
     d.list(tilts, |d, tilt| {
         let Tilt { start_s, duration_s, tilt, towards, curve: shape } = tilt;
@@ -297,6 +298,9 @@ fn conditions(d: &mut Digest, conditions: &Conditions) {
         });
     });
     d.text(conditions.searcher());
+    if let Some(foresight) = foresight {
+        d.text(&format!("{foresight:?}"));
+    }
 }
 
 fn gaze(d: &mut Digest, gaze: &Gaze) {

@@ -9,7 +9,7 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::{Path, PathBuf};
 
 use formats::bvh::WriteOptions;
-use formats::{bvh, glb, trace_npz};
+use formats::{bvh, foresight_npz, glb, trace_npz};
 use motion::Clip;
 use plots::Figure;
 use sim::Outcome;
@@ -17,6 +17,7 @@ use sim::Outcome;
 use super::figures::{self, Draw};
 use super::folder::{Earlier, Folder, FolderError, Plan, Subfolder};
 use super::report::{Report, span_folder};
+use crate::replay::offsets;
 use crate::{Body, Performed, Progress, Runs, Take};
 
 /// The folder of figures.
@@ -226,10 +227,21 @@ pub fn write_glb(
 }
 
 /// What a take leaves in its folder, performed or only previewed.
-fn plan(preview: bool, reads: &[PathBuf]) -> Plan<'_> {
-    const FILES: [&str; 6] =
-        ["kinematic.bvh", "kinematic.glb", "report.json", "dynamic.bvh", "dynamic.glb", "trace.npz"];
-    let planned = if preview { &FILES[..3] } else { &FILES };
+fn plan(preview: bool, foresight: bool, reads: &[PathBuf]) -> Plan<'_> {
+    const FILES: [&str; 7] = [
+        "kinematic.bvh",
+        "kinematic.glb",
+        "report.json",
+        "dynamic.bvh",
+        "dynamic.glb",
+        "trace.npz",
+        "foresight.npz",
+    ];
+    let planned = match (preview, foresight) {
+        (true, _) => &FILES[..3],
+        (false, false) => &FILES[..6],
+        (false, true) => &FILES[..],
+    };
     Plan { command: "render", planned, reads, earlier: Earlier::Remove }
 }
 
@@ -239,7 +251,7 @@ impl Take {
     /// # Errors
     /// A folder that cannot be written to; a file in it that is not ours, or was read.
     pub fn check(&self, dir: &Path, what: &What, preview: bool) -> Result<(), WriteError> {
-        Ok(Folder::check(dir, &plan(preview, &reads(self, what)))?)
+        Ok(Folder::check(dir, &plan(preview, self.steps_freely(), &reads(self, what)))?)
     }
 }
 
@@ -261,7 +273,8 @@ impl Performed {
     ) -> Result<Written<Report>, WriteError> {
         progress.part("writing");
         let preview = matches!(self.runs, Runs::Preview);
-        let mut folder = Folder::begin(dir, &plan(preview, &reads(&self.take, what)))?;
+        let mut folder =
+            Folder::begin(dir, &plan(preview, self.take.steps_freely(), &reads(&self.take, what)))?;
         let take = &self.take;
         let mut report = Report::new(self);
         if self.spans().is_empty() {
@@ -321,5 +334,8 @@ fn fill(into: &mut Subfolder<'_>, take: &Take, outcome: Option<&Outcome>) -> Res
     write_bvh(into, "dynamic", &take.for_files(&performed), unit)?;
     write_glb(into, "dynamic", &performed, &take.body, &take.name)?;
     let path = into.add("trace_npz", "trace.npz")?;
-    trace_npz::save(&outcome.trace, &path).map_err(|e| WriteError::file("trace.npz", e))
+    trace_npz::save(&outcome.trace, &path).map_err(|e| WriteError::file("trace.npz", e))?;
+    let Some(used) = &outcome.foresight else { return Ok(()) };
+    let path = into.add("foresight_npz", "foresight.npz")?;
+    foresight_npz::save(&offsets(outcome, used), &path).map_err(|e| WriteError::file("foresight.npz", e))
 }
