@@ -5,7 +5,7 @@ use std::sync::Arc;
 use bodies::anthropometry::human::human;
 use dynamics::walked::{HIGH, Loss};
 use dynamics::{ContactSample, Disturbed, Model, RootMode, State, Trace, Walked};
-use motion::Vec3;
+use motion::{Kinematics, Vec3};
 
 /// A human at rest as asked, moved and turned in its last rows.
 fn standing(rows: usize, shift: Vec3, contacts: Vec<ContactSample>) -> Trace {
@@ -81,7 +81,9 @@ fn hands_may_not_carry_and_feet_may() {
     let carries = |name: &str, part: f64| {
         let link = c.skeleton.limb(name).unwrap().end;
         let force = Vec3::y() * (part * weight);
-        let sample = |row| ContactSample { row, link, point: Vec3::zeros(), force, depth: 0.0 };
+        // where the limb ends, so that the motion asked for does not bring that point to the ground
+        let point = Kinematics::new(&c.skeleton, &c.rest).origin(link);
+        let sample = |row| ContactSample { row, link, point, force, depth: 0.0 };
         let mut t = standing(20, Vec3::zeros(), (5..20).map(sample).collect());
         for row in 0..20 {
             t.v[row * c.skeleton.nv()] = 0.1; // m/s, the whole body
