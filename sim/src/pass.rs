@@ -16,7 +16,7 @@ use dynamics::{Carrying, Push, RootMode, State, Trace, Wrench};
 use motion::{Floor, Joint, Tilt, Vec3};
 use thiserror::Error;
 
-use crate::foresight::{Foreseen, Foresight, ReplayError, Subject, Used};
+use crate::foresight::{Foreseen, Foresight, ForesightError, Subject, Used};
 use crate::load::Load;
 use crate::recorder::{Outside, Recorder, Stepped};
 use crate::{ContactLaw, Engine, EngineEntry, EngineError, EngineSettings, Ledger};
@@ -30,9 +30,9 @@ pub enum PassError {
     /// Of a reactive property, the balance among them.
     #[error(transparent)]
     Reactive(#[from] ReactiveError),
-    /// Offsets that are of another run.
+    /// Of foresight.
     #[error(transparent)]
-    Replay(#[from] ReplayError),
+    Foresight(#[from] ForesightError),
 }
 
 /// Everything a run needs.

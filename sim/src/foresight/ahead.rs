@@ -8,7 +8,7 @@ use dynamics::{Model, State};
 use motion::skeleton::quat_at;
 use motion::{Quat, Vec3};
 
-use crate::PassError;
+use super::error::ForesightError;
 
 /// What the motion asked for does in a row. World, SI.
 #[derive(Clone, Debug, Default)]
@@ -97,7 +97,7 @@ impl Ahead {
     ///
     /// # Errors
     /// Of the controller.
-    pub(super) fn reach(&mut self, row: usize) -> Result<(), PassError> {
+    pub(super) fn reach(&mut self, row: usize) -> Result<(), ForesightError> {
         let Self { controller, model, state, supports, known, rows } = self;
         while *known < row {
             *known += 1;

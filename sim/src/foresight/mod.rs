@@ -16,6 +16,7 @@
 //! | `cost` | what a state costs |
 //! | `search` | the tree of rollouts |
 //! | `random` | seeded numbers |
+//! | `error` | why it cannot start or go on |
 //! | `replay` | offsets of an earlier run, performed again |
 //!
 //! What is not foreseen: pushes, answers of reactive properties, masses that nobody knows of. It is asleep where the balance property stands
@@ -24,6 +25,7 @@
 mod ahead;
 mod channels;
 mod cost;
+mod error;
 mod random;
 mod replay;
 mod search;
@@ -37,7 +39,7 @@ use controllers::{Controller, Plan};
 use dynamics::{Model, State};
 
 use crate::core::Core;
-use crate::{Engine, EngineSettings, PassError};
+use crate::{Engine, EngineSettings};
 use ahead::Ahead;
 use cost::Cost;
 use search::{Question, Search};
@@ -45,6 +47,7 @@ use spline::between;
 
 pub use channels::Channel;
 pub use cost::Scales;
+pub use error::ForesightError;
 pub use replay::{Replay, ReplayError};
 pub use settings::{Choice, ChoiceError, Settings};
 pub use spline::Knot;
@@ -120,7 +123,7 @@ impl Foresight {
     ///
     /// # Errors
     /// What the core finds wrong with the body; a replay of another input.
-    pub(crate) fn new(foreseen: &Foreseen, of: &Subject<'_>) -> Result<Self, PassError> {
+    pub(crate) fn new(foreseen: &Foreseen, of: &Subject<'_>) -> Result<Self, ForesightError> {
         let model = Model::new(of.body, of.engine.gravity);
         let channels = channels::of(of.body, &model, of.plan);
         let input = replay::input(of, &model);
@@ -154,7 +157,7 @@ impl Foresight {
         row: usize,
         engine: &dyn Engine,
         controller: &mut Controller,
-    ) -> Result<(), PassError> {
+    ) -> Result<(), ForesightError> {
         match &mut self.way {
             Way::Search(search) => search.offsets(row, engine, &mut self.now, &mut self.used)?,
             Way::Replay(replay) => replay.offsets(row, &mut self.now),
@@ -192,7 +195,7 @@ impl Searching {
         of: &Subject<'_>,
         model: &Model,
         channels: Vec<Channel>,
-    ) -> Result<Self, PassError> {
+    ) -> Result<Self, ForesightError> {
         let supports = channels::supports(of.body, model);
         let window = ((settings.window_s * of.engine.rate_hz).round() as usize).max(1);
         let goal = &of.plan.goal;
@@ -230,7 +233,7 @@ impl Searching {
         engine: &dyn Engine,
         now: &mut [f64],
         used: &mut Used,
-    ) -> Result<(), PassError> {
+    ) -> Result<(), ForesightError> {
         let before = row - 1;
         if self.since.is_none_or(|since| before >= since + self.window) {
             used.costs.push(self.search(before, engine)?);
@@ -241,7 +244,7 @@ impl Searching {
     }
 
     /// Searches for the offsets of the window that begins at `row`; the cost of what was found.
-    fn search(&mut self, row: usize, engine: &dyn Engine) -> Result<f64, PassError> {
+    fn search(&mut self, row: usize, engine: &dyn Engine) -> Result<f64, ForesightError> {
         let windows = self.settings.windows();
         let last = (row + self.window * windows).min(self.ahead.rows().count() - 1);
         self.ahead.reach(last)?;
