@@ -41,6 +41,7 @@ const KNOWN: &[(&str, &str, &str)] = &[
     ("motion/src/metrics.rs", "jerk_rms", "motion/src/metrics.rs: numbers_of_nothing_are_zero"),
     ("plots/src/trade.rs", "worst", "plots/src/trade.rs: the_worst_of_nothing_has_a_length"),
     ("plots/src/columns.rs", "rms", "plots/src/columns.rs: the_mean_of_nothing_is_zero"),
+    ("sim/src/foresight/mod.rs", "offset_rms", "sim/src/foresight/mod.rs: offsets_of_nothing_and_of_zeros"),
     ("sim/src/ledger.rs", "correction_rms_n", "sim/src/ledger.rs: a_ledger_without_steps_is_zero"),
     ("studies/src/style/mod.rs", "share", "studies/src/style/mod.rs: no_share_of_no_gap_is_closed"),
     ("takes/src/possible.rs", "share", "a key, clamped to 0 to 1"),

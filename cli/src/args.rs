@@ -5,6 +5,7 @@ use std::path::PathBuf;
 use clap::{Args, Parser, Subcommand};
 use plots::View;
 use studies::push::PushSettings;
+use takes::foresight::{Choice, Foreseen};
 use takes::overrides::{RATES, RootChoice, SUBSTEPS, Strategy, TENSIONS, props};
 use takes::{Ask, Overrides, Patch, SceneError};
 
@@ -171,6 +172,13 @@ pub struct RenderArgs {
     /// Go on after a fall, muscles letting go, until the body rests; otherwise the run ends with the fall
     #[arg(long, conflicts_with_all = ["kinematic", "pareto"])]
     pub past_fall: bool,
+    /// Look ahead, so that a body with a free root keeps its feet where they step: off, on, draft or SECONDS,ROLLOUTS; see
+    /// docs/WALKING.md [default: off]
+    #[arg(long, value_name = "FORESIGHT", conflicts_with_all = ["kinematic", "pareto", "fidelity"])]
+    pub foresight: Option<Choice>,
+    /// Perform the offsets that an earlier run with --foresight chose (its foresight.npz), without searching again
+    #[arg(long, value_name = "FORESIGHT.npz", conflicts_with_all = ["foresight", "kinematic", "pareto", "fidelity"])]
+    pub replay: Option<PathBuf>,
     /// Leave out the edits of the scene
     #[arg(long)]
     pub no_edits: bool,
@@ -218,6 +226,8 @@ Examples:
   contrapposto render walk.bvh --edit 'Succession(offset_s: 0.08)' --edit 'Tension(parts: [\"arm_r\"], factor: 0.5)'
   contrapposto render gestures.bvh --root free
   contrapposto render gestures.bvh --root free --span 2.5..7
+  contrapposto render walk.bvh --root free --tension 2 --foresight on
+  contrapposto render walk.bvh --root free --tension 2 --replay out/walk/foresight.npz --out out/again
   contrapposto render walk.bvh --units 0.01 --up y --tension 4
   contrapposto inspect walk.bvh --write-body body.ron && contrapposto render walk.bvh --body body.ron
 
@@ -226,13 +236,14 @@ Files written into DIR:
   dynamic.bvh     the motion performed
   dynamic.glb     the same with a body of capsules, for any 3-D tool (kinematic.glb with --kinematic)
   trace.npz       every torque, gain and contact force, for numpy
+  foresight.npz   with --foresight: the offsets that it chose, for --replay
   report.json     the numbers, see docs/REPORT.md
   plots/          figures, each as .svg and .png
   span_1/, ...    a clip that also steps, with a free root: these files of every standing span instead
 With --pareto, into out/NAME-pareto: report.json and plots/pareto, see docs/ROOT.md.
 
-With a free root a clip is performed where its feet stand; where they step it is not, and the summary says so. --root pinned or
-assisted performs it whole.
+With a free root a clip is performed where its feet stand; where they step it is not, and the summary says so. --foresight on
+performs it whole on its own feet, --root pinned or assisted with help from outside.
 
 BVH files are written in the unit of the BVH read, in centimetres for scenes; Y is up.
 Same input, same bytes; only `realtime_factor` in report.json is of the clock.";
@@ -261,12 +272,13 @@ impl RenderArgs {
             edits: self.edit.clone(),
             contacts: self.contacts.clone(),
             no_edits: self.no_edits,
+            foresight: self.foresight.and_then(Choice::settings).map(Foreseen::Search),
         })
     }
 
     /// Files that are read beside those that the input names.
     pub fn reads(&self) -> Vec<PathBuf> {
-        let given = self.body.iter().chain(&self.physics.patch).chain(&self.contacts);
+        let given = self.body.iter().chain(&self.physics.patch).chain(&self.contacts).chain(&self.replay);
         [&self.input].into_iter().chain(given).cloned().collect()
     }
 }

@@ -20,7 +20,17 @@ pub fn run(args: &RenderArgs) -> Result<(), Failure> {
     }
     let progress = progress();
     progress.part("staging");
-    let mut take = takes::open(args.input.as_path(), &args.ask().map_err(Failure::input)?)?;
+    let mut ask = args.ask().map_err(Failure::input)?;
+    if let Some(path) = &args.replay {
+        ask.foresight = Some(takes::replay::replay(path).map_err(Failure::input)?);
+    }
+    let mut take = takes::open(args.input.as_path(), &ask)?;
+    if ask.foresight.is_some() && !take.steps_freely() {
+        return Err(Failure::Input(format!(
+            "{} has nothing to foresee: --foresight and --replay are for clips and retargeted motion that step, over ground, with --root free",
+            args.input.display()
+        )));
+    }
     if let Some(view) = args.view {
         take.strip.yaw_deg = Some(view.yaw_deg());
     }

@@ -8,6 +8,7 @@ use takes::overrides::RootName;
 use takes::results::disturbance_report::{DisturbanceReport, LegTensionReport};
 use takes::results::dynamic_report::{DynamicReport, StiffnessReport};
 use takes::results::feet::FeetReport;
+use takes::results::foresight_report::ForesightReport;
 use takes::results::number;
 use takes::results::write::PLOTS;
 use takes::{Report, RootMode, Take};
@@ -189,11 +190,12 @@ fn spans(out: &mut String, report: &Report) -> std::fmt::Result {
         line(out, label, format!("{:>6.2} ..{:>6.2} s  {text}", span.from_s, span.to_s))?;
     }
     let falls = report.dynamic.as_ref().is_some_and(|d| d.root.mode == RootName::Free.word());
-    if falls && !spans.iter().any(|s| s.stands) {
+    let foresight = report.dynamic.as_ref().is_some_and(|d| d.foresight.is_some());
+    if falls && !foresight && !spans.iter().any(|s| s.stands) {
         line(
             out,
             "",
-            "it stands nowhere, and a free root has no steps of its own: --root assisted or pinned holds it",
+            "it stands nowhere, and a free root has no steps of its own: --foresight on looks ahead, --root assisted or pinned holds it",
         )?;
     }
     Ok(())
@@ -331,6 +333,9 @@ fn performed(out: &mut String, d: &DynamicReport) -> std::fmt::Result {
         };
         line(out, "gaze", format!("at ({}, {}, {}) m: {missed}", number(x), number(y), number(z)))?;
     }
+    if let Some(f) = &d.foresight {
+        foresight(out, f)?;
+    }
     const SHOWN: usize = 8;
     for (i, text) in d.reactive.iter().take(SHOWN).enumerate() {
         line(out, if i == 0 { "program" } else { "" }, text.clone())?;
@@ -386,6 +391,28 @@ fn performed(out: &mut String, d: &DynamicReport) -> std::fmt::Result {
         )
     });
     first_of(out, "SAGGING", sagging)
+}
+
+/// How much foresight had to do, and how the body walked.
+fn foresight(out: &mut String, f: &ForesightReport) -> std::fmt::Result {
+    let how = match (f.horizon_s, f.rollouts) {
+        (Some(horizon_s), Some(n)) => {
+            format!("{} searches of {n} rollouts over {} s", f.searches, number(horizon_s))
+        }
+        _ => "replayed".into(),
+    };
+    let offsets =
+        format!("{how}: targets moved by {:.1}° RMS, {:.0}° at most", f.offset_rms_deg, f.offset_max_deg);
+    line(out, "foresight", offsets)?;
+    let kept = match &f.lost {
+        None => "kept its feet".to_owned(),
+        Some(lost) => format!("LOST ITS FEET at {:.2} s: {lost}", f.kept_s),
+    };
+    let text = format!(
+        "{kept}; links {:.0} mm RMS from the motion asked for; a stance slips {:.0} mm (largest {:.0}); peak {:.1} body weights",
+        f.links_rms_mm, f.slip_mm, f.slip_mm_max, f.peak_bw
+    );
+    line(out, "", text)
 }
 
 /// A share of the body's weight.

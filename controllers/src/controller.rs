@@ -67,9 +67,21 @@ impl Controller {
         }
     }
 
+    /// Makes a plan ready to be stepped without any answer to the state: no balance, no reactive property. Its drives depend on the row
+    /// alone; stance legs have none.
+    pub fn unanswering(mut plan: Plan) -> Self {
+        plan.planted = None;
+        Self::new(plan, Vec::new())
+    }
+
     /// What is stepped.
     pub fn plan(&self) -> &Plan {
         &self.plan
+    }
+
+    /// Whether the balance property holds planted legs.
+    pub fn balances(&self) -> bool {
+        self.balance.is_some()
     }
 
     /// The motion asked for.
@@ -99,6 +111,11 @@ impl Controller {
     /// Drives of the last step.
     pub fn drives(&self) -> &[Drive] {
         &self.drives
+    }
+
+    /// Drives of the last step, to be changed before an engine gets them.
+    pub fn drives_mut(&mut self) -> &mut [Drive] {
+        &mut self.drives
     }
 
     /// Takes in the contacts of the last step, which reactive properties see in the next one.

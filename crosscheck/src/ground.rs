@@ -60,6 +60,7 @@ pub fn standing_weight(bridge: &Shared, take: &Take) -> Result<Check, PassError>
             pushes: Vec::new(),
             carried: Vec::new(),
             past_fall: false,
+            foresight: None,
         }
     };
     let ours = still(take).run(&rapier::engine(), &mut |_| {})?.trace;

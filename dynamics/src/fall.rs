@@ -168,7 +168,7 @@ pub fn fallen(trace: &Trace, model: &Model, row: usize) -> bool {
 }
 
 /// Whether the motion asked for brings the point of a link that touches near the ground, about the time of a row.
-fn is_asked(trace: &Trace, row: usize, contact: &ContactSample) -> bool {
+pub(crate) fn is_asked(trace: &Trace, row: usize, contact: &ContactSample) -> bool {
     const LOOKS: usize = 5;
     let skeleton = &trace.character.skeleton;
     let mut k = Kinematics::new(skeleton, trace.pose(row));

@@ -21,6 +21,7 @@
 //! | [`jacobian`] | how a point of a body moves with the joints |
 //! | [`ground_forces`] | ground forces required, given and measured, per foot |
 //! | [`penalty`] | the force of the ground on a point, from its height and slip |
+//! | [`walked`] | whether a body that steps kept its feet |
 //! | [`trace`] | what a dynamic run recorded |
 
 pub mod analysis;
@@ -42,6 +43,7 @@ mod spans;
 pub mod trace;
 pub mod trigger;
 pub mod verdict;
+pub mod walked;
 
 pub use analysis::{Analysis, AnalysisError, AnalysisOptions, FloorChoice, Grade, analyze};
 pub use conditions::{Carrying, Push, RootMode, RootName};
@@ -54,3 +56,4 @@ pub use penalty::Penalty;
 pub use rnea::{Wrench, total_wrench};
 pub use trace::{Against, ContactSample, Disturbed, Handed, Trace};
 pub use verdict::Verdict;
+pub use walked::Walked;

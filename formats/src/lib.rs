@@ -15,6 +15,7 @@
 //! | [`mujoco_layout`] | between our vectors and MuJoCo's |
 //! | [`table`] | the formats once: endings, what is kept and lost, [`open_clip`], [`open_model`] |
 //! | [`trace_npz`] | a trace as numpy arrays, written and read |
+//! | [`foresight_npz`] | offsets that foresight chose, written and read |
 //! | [`example_file`] | a learned edit, written and read |
 //! | [`style_file`] | a set of style components, written and read |
 //! | [`analysis`] | an analysis as CSV, MOT and npz |
@@ -31,6 +32,7 @@ pub mod analysis;
 mod attributes;
 pub mod bvh;
 pub mod example_file;
+pub mod foresight_npz;
 pub mod glb;
 pub mod limits;
 pub mod mjcf;

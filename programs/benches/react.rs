@@ -61,6 +61,7 @@ fn standing(reactive: Vec<Box<dyn Reactive>>) -> Run {
         self_collision: false,
         carried: Vec::new(),
         past_fall: false,
+        foresight: None,
     };
     pass.start(&EngineEntry::default()).unwrap()
 }

@@ -77,6 +77,7 @@ fn whole(c: &Arc<Character>, scripted: bool) -> Run {
         self_collision: false,
         carried: Vec::new(),
         past_fall: false,
+        foresight: None,
     };
     pass.start(&EngineEntry::default()).unwrap()
 }

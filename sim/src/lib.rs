@@ -11,6 +11,7 @@
 //! | [`engines`] | engines by name |
 //! | [`mod@core`] | a reduced-coordinate engine of our own, many times faster |
 //! | [`rapier`] | the articulated body and the ground in rapier |
+//! | [`foresight`] | rollouts in the core that choose offsets of targets |
 //! | [`ledger`] | what an engine did beyond the equations of motion |
 //! | [`pass`] | a whole run |
 //! | `recorder` | the trace of a run, row by row |
@@ -20,6 +21,7 @@ pub mod core;
 pub mod engine;
 pub mod engine_entry;
 pub mod engines;
+pub mod foresight;
 pub mod ledger;
 mod load;
 pub mod pass;

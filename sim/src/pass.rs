@@ -17,6 +17,7 @@ use dynamics::{Carrying, Push, RootMode, State, Trace, Wrench};
 use motion::{Floor, Joint, Tilt, Vec3};
 use thiserror::Error;
 
+use crate::foresight::{Foreseen, Foresight, ForesightError, Subject, Used};
 use crate::load::Load;
 use crate::recorder::{Outside, Recorder, Stepped};
 use crate::{ContactLaw, Engine, EngineEntry, EngineError, EngineSettings, Ledger};
@@ -30,6 +31,9 @@ pub enum PassError {
     /// Of a reactive property, the balance among them.
     #[error(transparent)]
     Reactive(#[from] ReactiveError),
+    /// Of foresight.
+    #[error(transparent)]
+    Foresight(#[from] ForesightError),
 }
 
 /// Everything a run needs.
@@ -58,6 +62,8 @@ pub struct Pass {
     /// Goes on after a fall: muscles and assist let go ([`Controller::let_go`]), and the body comes to rest. Otherwise the run
     /// ends with the fall: what comes after it was not performed.
     pub past_fall: bool,
+    /// Looks ahead where nothing else keeps a free body on its feet; `None` leaves it to muscles and contacts.
+    pub foresight: Option<Foreseen>,
 }
 
 /// What came of a run.
@@ -80,6 +86,8 @@ pub struct Outcome {
     pub diverged: Option<EngineError>,
     /// What the engine did beyond the equations of motion; `None` of an engine that does not count.
     pub ledger: Option<Ledger>,
+    /// What foresight did; `None` where it was not asked, or slept.
+    pub foresight: Option<Used>,
     /// Largest ω₀ dt/2 added to a damping ratio by implicit integration, and the link.
     pub added_damping: (f64, usize),
     /// Stiffness scale of the run per actuated joint: link, K₁ at T = 1 and K_least over the poses, N·m/rad.
@@ -154,6 +162,20 @@ impl Pass {
         let mut engine = engine.build(&load.character(), settings.clone(), &q, &v)?;
         let stops: Vec<f64> = controller.plan().scale.k1.iter().map(|k| k * STIFFNESS_RATIO).collect();
         engine.set_stops(&stops);
+        let foresight = match &self.foresight {
+            Some(foreseen) if wakes(&controller, &settings, root) => {
+                let known = known.iter().filter(|c| c.at(0.0)).map(|c| &c.what);
+                let subject = Subject {
+                    plan: controller.plan(),
+                    body: &character.carrying(known),
+                    engine: settings.clone(),
+                    name: engine.name(),
+                    stops: &stops,
+                };
+                Some(Foresight::new(foreseen, &subject)?)
+            }
+            _ => None,
+        };
         let mut state = State::new(engine.model());
         state.update(engine.model(), engine.q(), engine.v());
         let mut recorder = Recorder::new(&character, &settings, root, &controller);
@@ -184,6 +206,7 @@ impl Pass {
             tilts: self.tilts,
             pushes: self.pushes,
             past_fall: self.past_fall,
+            foresight,
             load,
             row: 0,
             fell_s: None,
@@ -191,6 +214,12 @@ impl Pass {
             started,
         })
     }
+}
+
+/// Whether foresight has anything to do: a free body over ground that no balance property holds.
+fn wakes(controller: &Controller, settings: &EngineSettings, root: RootMode) -> bool {
+    let free = matches!(controller.model().bodies[0].joint, Joint::Free);
+    free && root != RootMode::Pinned && settings.ground.is_some() && !controller.balances()
 }
 
 /// A pass under way.
@@ -206,6 +235,7 @@ pub struct Run {
     tilts: Vec<Tilt>,
     pushes: Vec<Push>,
     past_fall: bool,
+    foresight: Option<Foresight>,
     load: Load,
     row: usize,
     fell_s: Option<f64>,
@@ -268,6 +298,9 @@ impl Run {
         } else {
             controller.observe_contacts(&self.recorder.contacts);
             controller.step(row, engine.q(), engine.v())?;
+            if let Some(foresight) = &mut self.foresight {
+                foresight.act(row, engine, controller)?;
+            }
         }
         engine.set_drives(controller.drives());
         let t = (row - 1) as f64 / rate_hz;
@@ -344,6 +377,7 @@ impl Run {
             leg_tension: plan.leg_tension.clone(),
             diverged: self.diverged,
             ledger: self.engine.ledger().copied(),
+            foresight: self.foresight.map(Foresight::used),
             stiffness,
             added_damping: (added.0, bodies[added.1].link),
             trace,

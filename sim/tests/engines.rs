@@ -167,6 +167,7 @@ fn wave() -> Pass {
         pushes: Vec::new(),
         carried: Vec::new(),
         past_fall: false,
+        foresight: None,
     }
 }
 

@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 use formats::bvh::ImportOptions;
 use motion::Clip;
 use scenes::Overrides;
+use sim::foresight::Foreseen;
 
 /// What a take is opened from.
 #[derive(Clone, Debug)]
@@ -52,6 +53,8 @@ pub struct Ask {
     pub overrides: Overrides,
     /// Engine other than the file's.
     pub engine: Option<String>,
+    /// How a free body that steps looks ahead; `None`: muscles and contacts alone.
+    pub foresight: Option<Foreseen>,
     /// Character file for a clip, or the name of a character of the library; by default its body is guessed.
     pub body: Option<PathBuf>,
     /// How to read a clip.

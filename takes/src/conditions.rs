@@ -12,6 +12,7 @@ use programs::Reaction;
 use scenes::SceneError;
 use scenes::conditions::{Clock, ConditionsSpec, ENGINE, Physics, SEARCH_ENGINE, Timed};
 use scenes::scene::Scene;
+use sim::foresight::Foreseen;
 
 /// What acts on the body of a take. See the module header.
 #[derive(Clone, Debug)]
@@ -34,6 +35,8 @@ pub struct Conditions {
     pub programs: Vec<Reaction>,
     /// Name of the engine that was asked for, if one was: [`Conditions::performer`], [`Conditions::searcher`].
     pub engine: Option<String>,
+    /// How a free body that steps looks ahead; `None`: muscles and contacts alone. It sleeps where the balance stands on planted feet.
+    pub foresight: Option<Foreseen>,
 }
 
 impl Conditions {
@@ -83,6 +86,7 @@ impl Conditions {
             gazes: spec.gazes.iter().map(gaze).collect(),
             programs,
             engine: spec.engine.clone(),
+            foresight: None,
         }
     }
 

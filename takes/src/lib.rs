@@ -22,7 +22,9 @@
 //! | [`stepping`] | a clip that steps, made possible |
 //! | [`styles`] | style components of two takes, put into a third |
 //! | `pins` | the pins of a scene, held after every other edit |
+//! | `stepping` | what is done to a motion before it is performed with foresight |
 //! | [`perform`] | the dynamic pass |
+//! | [`replay`] | offsets that foresight chose, as a file |
 //! | [`results`] | what a take leaves |
 //! | [`inspect`] | what is in a file |
 //! | [`export`] | a body as MJCF |
@@ -48,6 +50,7 @@ mod pins;
 pub mod posing;
 mod possible;
 pub mod progress;
+pub mod replay;
 pub mod results;
 pub mod retargeting;
 pub mod script;
@@ -78,5 +81,6 @@ pub use results::write::{What, WriteError, Written};
 pub use retarget;
 pub use scenes::conditions::{ENGINE, SEARCH_ENGINE};
 pub use scenes::{Overrides, Patch, SceneError, character_file, library, overrides};
+pub use sim::foresight;
 pub use sim::{EngineEntry, Engines, Outcome, UnknownEngine};
 pub use take::{Asked, Body, ClipSource, RetargetSource, Source, Take};

@@ -24,7 +24,13 @@ use crate::{Ask, Input, Take, TakeError, clip, retargeting, script};
 /// # Errors
 /// [`TakeError`]: anything wrong with the input and the files it names.
 pub fn open(input: impl Into<Input>, ask: &Ask) -> Result<Take, TakeError> {
-    match input.into() {
+    let mut take = open_asked(input.into(), ask)?;
+    take.conditions.foresight = ask.foresight.clone();
+    Ok(take.ready_to_step())
+}
+
+fn open_asked(input: Input, ask: &Ask) -> Result<Take, TakeError> {
+    match input {
         Input::Path(path) => of_path(&path, ask, &Opening::new(of_path)),
         Input::Text { ron, base } => {
             let source = Text::new(base.join("scene.ron"), ron);

@@ -9,6 +9,7 @@ use controllers::ReactiveError;
 use motion::ik::IkError;
 use motion::stance::StanceSpan;
 use rayon::prelude::*;
+use sim::foresight::ForesightError;
 use sim::{EngineEntry, Engines, Outcome, PassError, UnknownEngine};
 
 use crate::slides::Slides;
@@ -63,7 +64,8 @@ impl PerformError {
     /// Whether the fault lies in the input rather than in the run.
     pub fn is_input(&self) -> bool {
         let program = matches!(self, Self::Pass(PassError::Reactive(ReactiveError::Program { .. })));
-        program || matches!(self, Self::Engine(_) | Self::Slides(_))
+        let replay = matches!(self, Self::Pass(PassError::Foresight(ForesightError::Replay(_))));
+        program || replay || matches!(self, Self::Engine(_) | Self::Slides(_))
     }
 }
 

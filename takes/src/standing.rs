@@ -90,10 +90,12 @@ impl Take {
         carry(character, &model, clip, plants, stance.ground_m)
     }
 
-    /// Whether this is a clip that stands on the ground free, but only in parts: they are performed each by itself.
+    /// Whether this is a clip that stands on the ground free, but only in parts, and has no foresight for the others: they are performed
+    /// each by itself.
     pub fn stands_in_parts(&self) -> bool {
         let stands = |s: &Stance| s.standing().next().is_some();
         self.conditions.physics.root == RootMode::Free
+            && self.conditions.foresight.is_none()
             && self.asked.plants.is_empty()
             && !self.asked.contacts_given
             && self.asked.stance.as_ref().is_some_and(stands)

@@ -1,15 +1,20 @@
 //! Stepping: the motion of a take made possible before it is performed (`controllers::stepping`).
 //!
 //! In: a [`Take`] whose feet stand and step as its contacts say. Out: what is possible of it: the plan and the clip, the same
-//! for scripts, clips and retargeted characters.
+//! for scripts, clips and retargeted characters. What is performed by looking ahead ([`sim::foresight`]) is smoothed instead, as inverse dynamics
+//! smooths it: noise of markers is no motion, and muscles that follow it shake; where the weight goes is the affair of foresight.
 
 use controllers::stepping::{Measures, Possible, possible};
+use dynamics::analysis::{AnalysisOptions, strength};
 use dynamics::conditions::RootMode;
+use dynamics::{Model, State};
 use motion::ik::IkError;
+use motion::smooth::smooth_at;
 use motion::{Floor, Vec3};
 
-use crate::Take;
+use crate::limited::within_limits;
 use crate::standing::contacts;
+use crate::take::{Source, Take};
 
 impl Take {
     /// The motion asked for, made possible where it steps: (plan, clip) and what was changed. A take of planted feet is
@@ -39,9 +44,31 @@ impl Take {
         possible(character, &asked.clip, &asked.contacts, given, ground, physics.gravity).map(Some)
     }
 
-    /// Whether it is a captured motion on its own feet that is performed whole, and steps.
+    /// Whether it is performed by looking ahead: a clip or a retargeted motion over ground, its root free, that no planted feet carry
+    /// from beginning to end, and that is asked to.
+    pub fn steps_freely(&self) -> bool {
+        let c = &self.conditions;
+        let sampled = matches!(self.source, Source::Clip(_) | Source::Retarget(_));
+        let free = c.physics.root == RootMode::Free && c.physics.ground.is_some();
+        c.foresight.is_some() && free && sampled && self.asked.plants.is_empty()
+    }
+
+    /// Smooths the motion of a take that looks ahead; others stay as they are.
+    pub(crate) fn ready_to_step(mut self) -> Self {
+        if !self.steps_freely() {
+            return self;
+        }
+        let model = Model::new(&self.body.character, self.conditions.physics.gravity);
+        let clip = &self.asked.clip;
+        let strength = strength(&model, &mut State::new(&model), clip, &AnalysisOptions::default());
+        (self.asked.clip, _, _) = within_limits(smooth_at(clip, strength).clip);
+        self
+    }
+
+    /// Whether it is a captured motion on its own feet that is performed whole, and steps, without looking ahead.
     pub fn steps_free(&self) -> bool {
         self.conditions.physics.root == RootMode::Free
+            && self.conditions.foresight.is_none()
             && self.clip_source().is_some()
             && self.asked.plants.is_empty()
             && self.stands_level()

@@ -224,6 +224,7 @@ impl Take {
             pushes: c.pushes.clone(),
             carried: c.carried.clone(),
             past_fall: p.past_fall,
+            foresight: c.foresight.clone(),
         }
     }
 

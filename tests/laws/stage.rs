@@ -56,6 +56,7 @@ pub fn follow(c: &Arc<Character>, clip: &Clip, gravity: Vec3, tension: f64, rate
         pushes: Vec::new(),
         carried: Vec::new(),
         past_fall: false,
+        foresight: None,
     }
 }
 
@@ -148,6 +149,7 @@ pub fn perform(c: &Arc<Character>, tracks: &Tracks, root: RootMode, rate_hz: f64
         pushes: Vec::new(),
         carried: Vec::new(),
         past_fall: false,
+        foresight: None,
     }
 }
 

@@ -13,10 +13,10 @@
 use motion::rotation::exp;
 use motion::{Floor, Vec3};
 
-use super::Core;
 use super::contact::Ground;
 use super::momentum::Whole;
-use super::solve::Effort;
+use super::solve::Solved;
+use super::{Core, Effort};
 use crate::Impulse;
 use crate::ledger::LOOSE;
 
@@ -32,6 +32,8 @@ const HALVINGS: usize = 5;
 const SMOOTH: f64 = 0.3;
 /// Residual of the contacts at which their solution ends, over m g dt.
 const TARGET: f64 = 1e-7;
+/// The same of a rough substep.
+const ROUGH: f64 = 1e-3;
 
 impl Core {
     /// Advances by `dt` seconds, `begin` seconds after the control step began. `self.state` is of the present pose and velocity, before
@@ -57,6 +59,7 @@ impl Core {
         let may_halve = halvings < HALVINGS;
         let (n, held) = (self.model.nv(), self.held());
         let settles = held == 0 && self.free_root();
+        let exact = self.effort == Effort::Exact;
         let start = Whole::of(&self.model, &self.state);
         self.state.mass_matrix(&self.model, &mut self.mass);
         self.expect(dt);
@@ -113,11 +116,11 @@ impl Core {
             let missing = self.missing(&start, &outside, &now);
             let (shift, spin) = now.motion(self.model.mass, &missing.moved(&(now.com - start.com)));
             let slip = self.slip(&now.com, &shift, &spin);
-            if slip > FELT && (repeat == REPEATS || slip > CONTRACTION * least) && may_halve {
+            if slip > FELT && (repeat == REPEATS || slip > CONTRACTION * least) && may_halve && exact {
                 self.back();
                 return Ok(false);
             }
-            if slip > FELT && repeat < REPEATS && slip <= CONTRACTION * least {
+            if exact && slip > FELT && repeat < REPEATS && slip <= CONTRACTION * least {
                 least = slip;
                 // put in before the contacts, which answer to it
                 fed += missing;
@@ -201,7 +204,8 @@ impl Core {
             return;
         }
         let weight = self.weight() * dt;
-        let mut effort = self.solver.solve(&self.contacts, &self.response, TARGET * weight);
+        let target = weight * if self.effort == Effort::Exact { TARGET } else { ROUGH };
+        let mut effort = self.solver.solve(&self.contacts, &self.response, target);
         if effort.residual > LOOSE * weight && self.contacts.iter().any(|c| c.out > 0.0) {
             // points that cannot all be pushed out at once (a body that is wedged, a joint inside the ground) come no deeper
             for (c, impulse) in self.contacts.iter_mut().zip(&mut self.solver.impulses) {
@@ -210,8 +214,8 @@ impl Core {
                 *impulse = self.forces[c.point].map(|f| f * dt);
             }
             self.ledger.wedged += 1;
-            let again = self.solver.solve(&self.contacts, &self.response, TARGET * weight);
-            effort = Effort {
+            let again = self.solver.solve(&self.contacts, &self.response, target);
+            effort = Solved {
                 sweeps: effort.sweeps + again.sweeps,
                 steps: effort.steps + again.steps,
                 residual: again.residual,

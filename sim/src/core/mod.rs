@@ -82,6 +82,16 @@ struct Touch {
     depth: f64,
 }
 
+/// How exactly a substep is solved.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Effort {
+    /// Contacts to 1e-7 m g dt, at the velocities that the momentum correction leaves; hard impacts in shorter substeps.
+    #[default]
+    Exact,
+    /// For searches: contacts to 1e-3 m g dt in one solution per substep. Half the price of a walking step.
+    Rough,
+}
+
 /// An articulated body. See the module header.
 #[derive(Clone, Debug)]
 pub struct Core {
@@ -94,6 +104,7 @@ pub struct Core {
     yields: Yield,
     /// Degrees of freedom that turn something, and the angle that one of each counts as.
     turning: Vec<(usize, f64)>,
+    effort: Effort,
 
     // the state: what a snapshot holds
     q: Vec<f64>,
@@ -223,6 +234,7 @@ impl Core {
             tree,
             shapes,
             yields,
+            effort: Effort::Exact,
         };
         core.state.update(&core.model, &core.q, &core.v);
         core.state.mass_matrix(&core.model, &mut core.mass);
@@ -234,6 +246,28 @@ impl Core {
             ))
         })?;
         Ok(core)
+    }
+
+    /// Kinematics of the present pose and velocity.
+    pub(crate) fn state(&self) -> &State {
+        &self.state
+    }
+
+    /// Sets how exactly substeps are solved from now on; no part of a snapshot.
+    pub fn set_effort(&mut self, effort: Effort) {
+        self.effort = effort;
+    }
+
+    /// Puts the body at the pose `q` with the velocity `v`: contacts start from no forces, everything else stays.
+    ///
+    /// # Panics
+    /// If these are of another body.
+    pub fn place(&mut self, q: &[f64], v: &[f64]) {
+        self.q.copy_from_slice(q);
+        self.v.copy_from_slice(v);
+        self.state.update(&self.model, &self.q, &self.v);
+        self.forces.fill([0.0; 3]);
+        self.touches.fill(Touch::default());
     }
 
     /// Degrees of freedom that move as given instead of by forces: those of a pinned root.

@@ -26,7 +26,7 @@ const SIGMAS: [f64; 5] = [1e4, 1e6, 1e1, 1e2, 1e4];
 
 /// What a solution cost and how good it is.
 #[derive(Clone, Copy, Debug, Default)]
-pub(super) struct Effort {
+pub(super) struct Solved {
     pub sweeps: usize,
     pub steps: usize,
     /// Residual, N·s.
@@ -67,12 +67,12 @@ impl Solver {
     }
 
     /// Solves from the impulses as they are to a residual of `tolerance` (N·s) if it can.
-    pub fn solve(&mut self, contacts: &[Contact], response: &Response, tolerance: f64) -> Effort {
+    pub fn solve(&mut self, contacts: &[Contact], response: &Response, tolerance: f64) -> Solved {
         let bodies = response.bodies();
         self.wrenches.resize(bodies, [0.0; 6]);
         self.twists.resize(bodies, [0.0; 6]);
         self.update(contacts, response);
-        let mut effort = Effort { residual: self.residual(contacts), ..Effort::default() };
+        let mut effort = Solved { residual: self.residual(contacts), ..Solved::default() };
         // near a solution Newton's step lands on it; far away sweeps find out who touches, sticks and slides
         let mut sweeps = if effort.residual < 1e4 * tolerance { 0 } else { 3 };
         let mut before = f64::INFINITY;
@@ -102,7 +102,7 @@ impl Solver {
 
     /// Newton steps from the impulses as they are; keeps the best seen. Where a whole step does not help, it is taken as far as the
     /// first pressed point opens: redundant points that cannot all touch leave one by one. Such steps may raise the residual on the way.
-    fn finish(&mut self, contacts: &[Contact], response: &Response, tolerance: f64, effort: &mut Effort) {
+    fn finish(&mut self, contacts: &[Contact], response: &Response, tolerance: f64, effort: &mut Solved) {
         for sigma in SIGMAS {
             if effort.residual <= tolerance {
                 break;

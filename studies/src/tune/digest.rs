@@ -10,7 +10,7 @@
 //!    start, duration, hold, end, curve, tension;
 //! 3. the plants: limb and place;
 //! 4. the body: links (name, parent, joint, zero frame, limits, class, mass, centre, inertia, shapes), limbs, contact points, rest;
-//! 5. the conditions: numbers of the dynamic pass, balance, turns of the ground, pushes, carried masses, gazes, engine;
+//! 5. the conditions: numbers of the dynamic pass, balance, turns of the ground, pushes, carried masses, gazes, engine, foresight;
 //! 6. the tuning: names of the parameters, weights, pushes, times, rate, substeps, own run.
 //!
 //! A number is its eight bytes (little endian; −0 counts as 0), a count the same as an integer, a text its length and bytes, an
@@ -28,6 +28,7 @@ use motion::{
 };
 use motion::{Link, Transform};
 use scenes::conditions::Physics;
+use sim::foresight::{self, Foreseen};
 use takes::{Conditions, Take};
 
 use super::{FixedPush, TuneSpec};
@@ -275,6 +276,7 @@ fn conditions(d: &mut Digest, conditions: &Conditions) {
         gazes,
         programs,
         engine: _,
+        foresight,
     } = conditions;
     physics(d, numbers);
     d.list(tilts, |d, tilt| {
@@ -315,6 +317,51 @@ fn conditions(d: &mut Digest, conditions: &Conditions) {
         });
     });
     d.text(conditions.searcher());
+    d.count(usize::from(foresight.is_some()));
+    match foresight {
+        None => {}
+        Some(Foreseen::Search(settings)) => foresight_settings(d, settings),
+        Some(Foreseen::Replay(replay)) => {
+            d.bytes(&replay.input.to_le_bytes());
+            d.numbers(&replay.offsets);
+        }
+    }
+}
+
+fn foresight_settings(d: &mut Digest, settings: &foresight::Settings) {
+    let foresight::Settings { horizon_s, rollouts, beam, window_s, stride, effort, width, seed, scales } =
+        settings;
+    d.numbers([horizon_s, beam, window_s, width]);
+    d.count(*rollouts);
+    d.count(*stride);
+    d.count(usize::from(*effort == sim::core::Effort::Rough));
+    d.bytes(&seed.to_le_bytes());
+    let foresight::Scales {
+        com_m,
+        velocity_m_s,
+        capture_m,
+        spin_nms,
+        root_rad,
+        pose_rad,
+        feet_m,
+        impact,
+        soft,
+        offset,
+        change,
+    } = scales;
+    d.numbers([
+        com_m,
+        velocity_m_s,
+        capture_m,
+        spin_nms,
+        root_rad,
+        pose_rad,
+        feet_m,
+        impact,
+        soft,
+        offset,
+        change,
+    ]);
 }
 
 fn gaze(d: &mut Digest, gaze: &Gaze) {

@@ -14,6 +14,7 @@ use sim::Outcome;
 use crate::Take;
 use crate::results::disturbance_report::{FallReport, LegTensionReport};
 use crate::results::feet::{FeetReport, feet};
+use crate::results::foresight_report::ForesightReport;
 use crate::results::gaze_report::GazeReport;
 use crate::results::root_report::RootWrench;
 use crate::results::verdict_report::VerdictReport;
@@ -73,6 +74,9 @@ pub struct DynamicReport {
     pub gazes: Vec<GazeReport>,
     /// What programs of the user did as reactive properties, a line for each joint.
     pub reactive: Vec<String>,
+    /// What foresight did and how the body walked; absent where it was not asked for.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub foresight: Option<ForesightReport>,
     /// What the engine did beyond the equations of motion; absent of engines that do not count.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub engine: Option<EngineReport>,
@@ -310,6 +314,7 @@ impl DynamicReport {
                 .collect(),
             gazes: GazeReport::of(&take.conditions.gazes, t),
             reactive: o.reactive.clone(),
+            foresight: ForesightReport::new(take, o),
             engine: o.ledger.as_ref().map(|l| EngineReport::new(l, t.rate_hz, c.mass() * t.gravity.norm())),
         }
     }

@@ -20,6 +20,7 @@ pub mod dynamic_report;
 pub mod feet;
 pub mod figures;
 pub mod folder;
+pub mod foresight_report;
 pub mod gaze_report;
 pub mod report;
 mod root_report;

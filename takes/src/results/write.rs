@@ -9,7 +9,7 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::{Path, PathBuf};
 
 use formats::bvh::WriteOptions;
-use formats::{bvh, glb, trace_npz};
+use formats::{bvh, foresight_npz, glb, trace_npz};
 use motion::Clip;
 use plots::Figure;
 use scenes::contact_file;
@@ -18,6 +18,7 @@ use sim::Outcome;
 use super::figures::{self, Draw};
 use super::folder::{Earlier, Folder, FolderError, Plan, Subfolder};
 use super::report::{Report, span_folder};
+use crate::replay::offsets;
 use crate::{Body, Performed, Progress, Runs, Take};
 
 /// What stands when, to be edited and given to the next run.
@@ -229,8 +230,8 @@ pub fn write_glb(
 }
 
 /// What a take leaves in its folder, performed or only previewed.
-fn plan<'a>(dir: &Path, preview: bool, reads: &'a [PathBuf]) -> Plan<'a> {
-    const FILES: [&str; 7] = [
+fn plan<'a>(dir: &Path, preview: bool, foresight: bool, reads: &'a [PathBuf]) -> Plan<'a> {
+    const FILES: [&str; 8] = [
         CONTACTS,
         "kinematic.bvh",
         "kinematic.glb",
@@ -238,8 +239,13 @@ fn plan<'a>(dir: &Path, preview: bool, reads: &'a [PathBuf]) -> Plan<'a> {
         "dynamic.bvh",
         "dynamic.glb",
         "trace.npz",
+        "foresight.npz",
     ];
-    let planned = if preview { &FILES[..4] } else { &FILES };
+    let planned = match (preview, foresight) {
+        (true, _) => &FILES[..4],
+        (false, false) => &FILES[..7],
+        (false, true) => &FILES[..],
+    };
     // contacts that a person wrote there stay
     let planned = if was_read(&dir.join(CONTACTS), reads) { &planned[1..] } else { planned };
     Plan { command: "render", planned, reads, earlier: Earlier::Remove }
@@ -251,7 +257,7 @@ impl Take {
     /// # Errors
     /// A folder that cannot be written to; a file in it that is not ours, or was read.
     pub fn check(&self, dir: &Path, what: &What, preview: bool) -> Result<(), WriteError> {
-        Ok(Folder::check(dir, &plan(dir, preview, &reads(self, what)))?)
+        Ok(Folder::check(dir, &plan(dir, preview, self.steps_freely(), &reads(self, what)))?)
     }
 }
 
@@ -292,7 +298,7 @@ impl Performed {
         progress.part("writing");
         let preview = matches!(self.runs, Runs::Preview);
         let read = reads(&self.take, what);
-        let mut folder = Folder::begin(dir, &plan(dir, preview, &read))?;
+        let mut folder = Folder::begin(dir, &plan(dir, preview, self.take.steps_freely(), &read))?;
         let keeps = was_read(&dir.join(CONTACTS), &read);
         let take = &self.take;
         let mut report = Report::new(self);
@@ -359,5 +365,8 @@ fn fill(into: &mut Subfolder<'_>, take: &Take, outcome: Option<&Outcome>) -> Res
     write_bvh(into, "dynamic", &take.for_files(&performed), unit)?;
     write_glb(into, "dynamic", &performed, &take.body, &take.name)?;
     let path = into.add("trace_npz", "trace.npz")?;
-    trace_npz::save(&outcome.trace, &path).map_err(|e| WriteError::file("trace.npz", e))
+    trace_npz::save(&outcome.trace, &path).map_err(|e| WriteError::file("trace.npz", e))?;
+    let Some(used) = &outcome.foresight else { return Ok(()) };
+    let path = into.add("foresight_npz", "foresight.npz")?;
+    foresight_npz::save(&offsets(outcome, used), &path).map_err(|e| WriteError::file("foresight.npz", e))
 }

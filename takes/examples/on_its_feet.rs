@@ -1,0 +1,169 @@
+//! Captured clips performed free: which keep their feet, how near they stay, what it costs.
+//!
+//! In: clips, and how to perform. Out: a line per clip and seed; of several seeds the worst of a clip counts in the summary.
+//!
+//! ```sh
+//! cargo run --release -p takes --example on_its_feet -- --tension 2 --seeds 1,2,3 ../shared/mocap/bvh/16_16.bvh
+//! ```
+
+use controllers::Goal;
+use dynamics::analysis::{AnalysisOptions, strength};
+use dynamics::{Model, State, Walked};
+use sim::Engines;
+use sim::foresight::{Foreseen, Settings};
+use std::path::{Path, PathBuf};
+use takes::overrides::RootChoice;
+use takes::{Ask, Overrides, Take};
+
+struct Line {
+    name: String,
+    seconds: f64,
+    walked: Walked,
+    /// Joint acceleration over that of the smoothed motion.
+    acceleration: f64,
+    offsets_deg: f64,
+    cost_s: f64,
+}
+
+/// Processor time of this process so far, s; not a number where the system does not say.
+fn cpu_s() -> f64 {
+    let stat = std::fs::read_to_string("/proc/self/stat").unwrap_or_default();
+    let fields: Vec<&str> = stat.rsplit(')').next().unwrap_or("").split_whitespace().collect();
+    // fields 14 and 15 of the whole line, in hundredths of a second
+    let ticks = |k: usize| fields.get(k).and_then(|x| x.parse::<f64>().ok()).unwrap_or(f64::NAN);
+    (ticks(11) + ticks(12)) / 100.0
+}
+
+/// RMS joint acceleration of the smoothed motion asked for, rad/s².
+fn asked_acceleration(take: &Take) -> f64 {
+    let model = Model::new(take.character(), take.conditions.physics.gravity);
+    let clip = &take.asked.clip;
+    let strength = strength(&model, &mut State::new(&model), clip, &AnalysisOptions::default());
+    let smooth = motion::smooth::smooth_at(clip, strength).clip;
+    let goal = Goal::new(&smooth, take.control_rate_hz());
+    let nv = model.nv();
+    let all = (0..goal.rows()).flat_map(|row| goal.acceleration(row)[6..].to_vec());
+    let sum: f64 = all.map(|x| x * x).sum();
+    (sum / (goal.rows() * (nv - 6)).max(1) as f64).sqrt()
+}
+
+fn perform(path: &Path, ask: &Ask) -> Result<Line, Box<dyn std::error::Error>> {
+    let take = takes::open(path, ask)?;
+    let started = cpu_s();
+    let asked = asked_acceleration(&take);
+    let rows = Goal::new(&take.asked.clip, take.control_rate_hz()).rows();
+    let seconds = take.asked.clip.duration_s();
+    let outcome = take.outcome(&Engines::default(), &mut |_| {})?;
+    let walked = Walked::of(&outcome.trace, rows);
+    Ok(Line {
+        name: path.file_stem().unwrap_or_default().to_string_lossy().into_owned(),
+        seconds,
+        acceleration: walked.acceleration / asked.max(1e-9),
+        offsets_deg: outcome.foresight.as_ref().map_or(0.0, |f| f.offset_rms().to_degrees()),
+        cost_s: (cpu_s() - started) / walked.kept_s.max(1e-9),
+        walked,
+    })
+}
+
+fn print(line: &Line, seed: u64) {
+    let w = &line.walked;
+    let end = match &w.lost {
+        None => "kept".to_owned(),
+        Some((t, loss)) => format!("{t:.2} s: {loss}"),
+    };
+    println!(
+        "{:<18} {seed:>2} {:>6.2} of {:>5.2} s  {:>4.0} mm {:>5.1}°  slip {:>4.0} (worst {:>4.0}) mm  acc {:>4.2}  peak {:>4.2}  unexpl {:>5.2} %  offsets {:>4.1}°  {:>5.1} CPU-s/s  {end}",
+        line.name,
+        w.kept_s,
+        line.seconds,
+        w.links_mm,
+        w.joints_deg,
+        w.slip_mm(),
+        w.slips_mm.iter().fold(0.0_f64, |a, b| a.max(*b)),
+        line.acceleration,
+        w.peak,
+        w.unexplained,
+        line.offsets_deg,
+        line.cost_s,
+    );
+}
+
+fn main() -> Result<(), Box<dyn std::error::Error>> {
+    let mut settings = Settings::default();
+    let (mut tension, mut substeps, mut seeds) = (2.0, 2, vec![1]);
+    let mut files: Vec<PathBuf> = Vec::new();
+    let mut engine = None;
+    let mut blind = false;
+    let mut span_s = None;
+    let mut args = std::env::args().skip(1);
+    while let Some(arg) = args.next() {
+        let mut value = || args.next().ok_or(format!("{arg} needs a value"));
+        match arg.as_str() {
+            "--tension" => tension = value()?.parse()?,
+            "--substeps" => substeps = value()?.parse()?,
+            "--seeds" => seeds = value()?.split(',').map(str::parse).collect::<Result<_, _>>()?,
+            "--engine" => engine = Some(value()?),
+            "--horizon" => settings.horizon_s = value()?.parse()?,
+            "--rollouts" => settings.rollouts = value()?.parse()?,
+            "--beam" => settings.beam = value()?.parse()?,
+            "--window" => settings.window_s = value()?.parse()?,
+            "--stride" => settings.stride = value()?.parse()?,
+            "--width" => settings.width = value()?.parse()?,
+            "--capture" => settings.scales.capture_m = value()?.parse()?,
+            "--soft" => settings.scales.soft = value()?.parse()?,
+            "--impact" => settings.scales.impact = value()?.parse()?,
+            "--offset" => settings.scales.offset = value()?.parse()?,
+            "--change" => settings.scales.change = value()?.parse()?,
+            "--com" => settings.scales.com_m = value()?.parse()?,
+            "--velocity" => settings.scales.velocity_m_s = value()?.parse()?,
+            "--pose" => settings.scales.pose_rad = value()?.parse()?,
+            "--feet" => settings.scales.feet_m = value()?.parse()?,
+            "--root" => settings.scales.root_rad = value()?.parse()?,
+            "--spin" => settings.scales.spin_nms = value()?.parse()?,
+            "--off" => blind = true,
+            "--until" => span_s = Some((0.0, value()?.parse()?)),
+            _ => files.push(arg.into()),
+        }
+    }
+    let mut worst: Vec<Line> = Vec::new();
+    for file in &files {
+        let mut lines: Vec<Line> = Vec::new();
+        for &seed in &seeds {
+            let overrides = Overrides {
+                root: Some(RootChoice::Free),
+                tension: Some(tension),
+                substeps: Some(substeps),
+                span_s,
+                ..Overrides::default()
+            };
+            let foresight = (!blind).then_some(Foreseen::Search(Settings { seed, ..settings }));
+            let ask = Ask { overrides, foresight, engine: engine.clone(), ..Ask::default() };
+            let line = perform(file, &ask)?;
+            print(&line, seed);
+            lines.push(line);
+        }
+        let order = |a: &Line, b: &Line| {
+            let fell = |l: &Line| (l.walked.lost.is_some(), l.walked.links_mm);
+            let ((fa, a), (fb, b)) = (fell(a), fell(b));
+            fa.cmp(&fb).then(a.total_cmp(&b))
+        };
+        worst.extend(lines.into_iter().max_by(order));
+    }
+    let kept: Vec<&Line> = worst.iter().filter(|l| l.walked.lost.is_none()).collect();
+    let median = |of: &dyn Fn(&Line) -> f64| {
+        let mut all: Vec<f64> = kept.iter().map(|l| of(l)).collect();
+        all.sort_by(f64::total_cmp);
+        all.get(all.len() / 2).copied().unwrap_or(f64::NAN)
+    };
+    println!(
+        "{} of {} keep their feet; links: median {:.0} mm, {} within 60 mm; joint acceleration {:.2}; slip {:.0} mm; {:.1} CPU-s/s",
+        kept.len(),
+        worst.len(),
+        median(&|l| l.walked.links_mm),
+        kept.iter().filter(|l| l.walked.links_mm <= 60.0).count(),
+        median(&|l| l.acceleration),
+        median(&|l| l.walked.slip_mm()),
+        median(&|l| l.cost_s),
+    );
+    Ok(())
+}
