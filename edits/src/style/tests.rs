@@ -288,29 +288,6 @@ fn standing_feet_stay() {
     assert!(moved > 0.02, "{moved}"); // without contacts it would have moved by 0.07 m
 }
 
-/// In the air as well feet go over the ground where the base's go, and knees point ahead of the line from hip to ankle, whatever the style
-/// does to the legs.
-#[test]
-fn steps_are_the_bases() {
-    let (a, b) = clips();
-    let set = set_of(&a, &b, &StyleOptions::default());
-    let contact =
-        |point: &str, from_s, to_s| Contact { point: point.into(), from_s, to_s, world_from_point: None };
-    let contacts = vec![contact("leg_l", 0.9, 1.4), contact("leg_r", 1.5, 1.9), contact("leg_l", 2.0, 2.4)];
-    let base = Motion { contacts: ContactPlan::new(contacts).unwrap(), ..motion(&a) };
-    let styled = apply(&set, &base, &Transfer::of(&set, 1, 1.0)).edited.clip;
-    let (mut off, mut moved, mut ahead) = (0.0_f64, 0.0_f64, f64::INFINITY);
-    for (f, limb) in (60..140).flat_map(|f| a.skeleton.limbs().iter().map(move |l| (f, l))) {
-        let [was, is] = [&a, &styled].map(|clip| Kinematics::new(&a.skeleton, clip.pose(f)));
-        let away = is.origin(limb.end) - was.origin(limb.end);
-        off = off.max(away.x.hypot(away.z));
-        moved = moved.max((is.origin(limb.lower) - was.origin(limb.lower)).norm());
-        let (hip, foot) = (is.origin(limb.upper), is.origin(limb.end));
-        ahead = ahead.min((is.origin(limb.lower) - 0.5 * (hip + foot)).z);
-    }
-    assert!(off < 1e-6 && moved > 0.05 && ahead > 0.0, "{off} {moved} {ahead}");
-}
-
 /// The donor's timing makes the base as slow as the donor, and its way with it.
 #[test]
 fn the_donors_timing_retimes_the_base() {
