@@ -6,11 +6,11 @@ use clap::{Args, Parser, Subcommand};
 use plots::View;
 use studies::push::PushSettings;
 use takes::foresight::{Choice, Foreseen};
-use takes::overrides::{RATES, RootChoice, SUBSTEPS, Strategy, TENSIONS, props};
-use takes::{Ask, Overrides, Patch, SceneError};
+use takes::overrides::RootChoice;
+use takes::{Ask, Overrides, SceneError};
 
 use crate::common_args::{ClipArgs, engine_help, frame_rate, length, number, view_help, whole};
-use crate::words::word;
+use crate::physics_args::{directions, tolerance};
 
 /// Motion performed by a body with mass, muscles and contacts.
 #[derive(Debug, Parser)]
@@ -49,6 +49,7 @@ A file of that name is meant before it.
 Exit codes: 0 done (also when the body fell), 1 the run failed, 2 something is wrong with the input.";
 
 pub use crate::analysis_args::{AnalyzeArgs, Pick, PlotArgs};
+pub use crate::physics_args::{PhysicsArgs, patch};
 pub use crate::pose_args::PoseArgs;
 pub use crate::propagate_args::PropagateArgs;
 pub use crate::push_args::PushArgs;
@@ -87,55 +88,6 @@ pub enum Command {
     Library(LibraryArgs),
     /// Write a starter project: a scene, its character, how to go on
     New(NewArgs),
-}
-
-/// What of muscles and simulation may differ from the file's.
-#[derive(Debug, Args)]
-pub struct PhysicsArgs {
-    /// Patch of tension and balance, as `tune` writes it
-    #[arg(long, value_name = "FILE.ron")]
-    pub patch: Option<PathBuf>,
-    /// Factor on every tension: 1 leaves them, 2 is twice as stiff
-    #[arg(long, value_name = "X", value_parser = tension, allow_negative_numbers = true)]
-    pub tension: Option<f64>,
-    /// Control steps per second of the simulation [default: the scene's, 240; near 240 for a clip]
-    #[arg(long, value_name = "HZ", value_parser = rate, allow_negative_numbers = true)]
-    pub rate: Option<f64>,
-    /// Engine substeps per control step [default: as many as the stiffest joint needs, at least 2; MuJoCo: 8]
-    #[arg(long, value_name = "N", value_parser = substeps, allow_negative_numbers = true)]
-    pub substeps: Option<usize>,
-    /// Strategies of balance to switch off
-    #[arg(long, value_name = "STRATEGY", value_parser = word::<Strategy>(), value_delimiter = ',')]
-    pub without: Vec<Strategy>,
-    /// Box or ramp fixed in the world, as a scene has it: 'Box(at_m: (0, 0, 0.5), size_m: (0.4, 0.2, 0.3))'; may be repeated
-    #[arg(long = "prop", value_name = "PROP", value_parser = prop)]
-    pub props: Vec<String>,
-    /// Let links touch each other
-    #[arg(long)]
-    pub self_collision: bool,
-}
-
-impl PhysicsArgs {
-    /// The same as the stage takes it.
-    ///
-    /// # Errors
-    /// A patch that makes no sense.
-    pub fn overrides(&self) -> Result<Overrides, SceneError> {
-        Ok(Overrides {
-            patch: patch(self.patch.as_deref())?,
-            tension: self.tension,
-            rate_hz: self.rate,
-            substeps: self.substeps,
-            without: self.without.clone(),
-            props: props(&self.props)?,
-            self_collision: self.self_collision,
-            ..Overrides::default()
-        })
-    }
-}
-
-fn prop(text: &str) -> Result<String, String> {
-    props(&[text.to_owned()]).map(|_| text.to_owned()).map_err(|e| e.to_string())
 }
 
 /// Arguments of `render`.
@@ -469,42 +421,12 @@ pub struct NewArgs {
     pub dir: PathBuf,
 }
 
-/// The patch of a file, if one is given.
-///
-/// # Errors
-/// A patch that makes no sense.
-pub fn patch(path: Option<&std::path::Path>) -> Result<Option<Patch>, SceneError> {
-    path.map(Patch::read).transpose()
-}
-
-fn tension(text: &str) -> Result<f64, String> {
-    number(text, *TENSIONS.start(), *TENSIONS.end(), "")
-}
-
-fn rate(text: &str) -> Result<f64, String> {
-    number(text, *RATES.start(), *RATES.end(), " Hz")
-}
-
 fn fidelity(text: &str) -> Result<f64, String> {
     number(text, 0.0, 1.0, "")
 }
 
 fn states(text: &str) -> Result<usize, String> {
     whole(text, 1, 100_000)
-}
-
-/// Directions of a push map.
-pub fn directions(text: &str) -> Result<usize, String> {
-    whole(text, 1, 360)
-}
-
-/// How closely its impulses are searched.
-pub fn tolerance(text: &str) -> Result<f64, String> {
-    number(text, 0.01, 50.0, " %")
-}
-
-fn substeps(text: &str) -> Result<usize, String> {
-    whole(text, *SUBSTEPS.start(), *SUBSTEPS.end())
 }
 
 #[cfg(test)]

@@ -41,6 +41,7 @@ mod inspect;
 mod library;
 mod output;
 mod pareto;
+mod physics_args;
 mod plot;
 mod pose;
 mod pose_args;

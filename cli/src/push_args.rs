@@ -6,8 +6,8 @@ use clap::Args;
 use studies::push::PushSettings;
 use takes::ENGINE;
 
-use crate::args::{PhysicsArgs, directions, tolerance};
 use crate::common_args::{number, searcher_help};
+use crate::physics_args::{PhysicsArgs, directions, tolerance};
 
 /// Arguments of `push`.
 #[derive(Debug, Args)]

@@ -4,46 +4,17 @@
 //! engine is believed where the second engine survives the inner push and fails the outer one; the share where it does is printed beside the
 //! map, never corrected.
 
-use rayon::prelude::*;
-use serde::Serialize;
-use sim::EngineEntry;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
-use super::{PushError, PushMap, PushSettings, PushTest, Verdict};
+use rayon::prelude::*;
+use sim::EngineEntry;
+
+use super::map::{Confirmation, ConfirmedDirection, PushMap};
+use super::{PushError, PushSettings, PushTest, Verdict};
 use takes::Take;
 
 /// How far inside and outside of the border the two pushes are, as a part of the impulse.
 pub const WITHIN: f64 = 0.03;
-
-/// What a second engine says of a map.
-#[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct Confirmation {
-    /// The second engine.
-    pub engine: String,
-    /// How far inside and outside of the border its pushes are, in percent of the impulse.
-    pub within_percent: f64,
-    /// Directions whose border lies between its two pushes.
-    pub confirmed: usize,
-    /// One per direction of the map, in its order.
-    pub directions: Vec<ConfirmedDirection>,
-}
-
-/// One direction in the second engine.
-#[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct ConfirmedDirection {
-    /// Where the push goes, degrees.
-    pub deg: f64,
-    /// The push inside of the border, N·s: less than what the map survives.
-    pub inside_ns: f64,
-    /// How it ended: `survived`, `fell`, `foot moved`, `not back`, `diverged`.
-    pub inside: &'static str,
-    /// The push outside of the border, N·s: more than what failed in the map.
-    pub outside_ns: f64,
-    /// How it ended.
-    pub outside: &'static str,
-    /// Whether the first was survived and the second was not.
-    pub confirmed: bool,
-}
 
 /// Pushes the take in `engine`, twice per direction of `map`; `progress` is called with the fraction done, from any thread.
 ///

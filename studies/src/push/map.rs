@@ -1,10 +1,8 @@
-//! What a push map holds: per direction what was survived, and the whole in short.
+//! What a push map holds: per direction what was survived, the whole in short, and what a second engine says of it.
 
 use std::collections::BTreeMap;
 
 use serde::Serialize;
-
-use super::Confirmation;
 
 /// The map of a body. Every unit is in its field's name; `docs/PUSH.md` is the guide.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -62,6 +60,36 @@ pub struct PushDirection {
     pub edge_m: f64,
     /// Pushes simulated.
     pub pushes: usize,
+}
+
+/// What a second engine says of a map.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Confirmation {
+    /// The second engine.
+    pub engine: String,
+    /// How far inside and outside of the border its pushes are, in percent of the impulse.
+    pub within_percent: f64,
+    /// Directions whose border lies between its two pushes.
+    pub confirmed: usize,
+    /// One per direction of the map, in its order.
+    pub directions: Vec<ConfirmedDirection>,
+}
+
+/// One direction in the second engine.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct ConfirmedDirection {
+    /// Where the push goes, degrees.
+    pub deg: f64,
+    /// The push inside of the border, N·s: less than what the map survives.
+    pub inside_ns: f64,
+    /// How it ended: `survived`, `fell`, `foot moved`, `not back`, `diverged`.
+    pub inside: &'static str,
+    /// The push outside of the border, N·s: more than what failed in the map.
+    pub outside_ns: f64,
+    /// How it ended.
+    pub outside: &'static str,
+    /// Whether the first was survived and the second was not.
+    pub confirmed: bool,
 }
 
 impl PushMap {

@@ -37,9 +37,9 @@ use takes::Take;
 use crate::level_ground::LevelGround;
 use map::symmetry_error;
 
-pub use confirm::{Confirmation, ConfirmedDirection, confirm};
+pub use confirm::confirm;
 pub use limit::{limit_ns, to_edge};
-pub use map::{PushDirection, PushMap};
+pub use map::{Confirmation, ConfirmedDirection, PushDirection, PushMap};
 pub use scenes::angle::direction;
 
 /// A foot that moved farther has stepped, m.
