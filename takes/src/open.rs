@@ -26,7 +26,8 @@ use crate::{Ask, Input, Take, TakeError, clip, retargeting, script};
 pub fn open(input: impl Into<Input>, ask: &Ask) -> Result<Take, TakeError> {
     let mut take = open_asked(input.into(), ask)?;
     take.conditions.foresight = ask.foresight.clone();
-    Ok(take.ready_to_step())
+    let path = take.name.clone();
+    take.ready_to_step().map_err(|source| TakeError::Legs { path, source })
 }
 
 fn open_asked(input: Input, ask: &Ask) -> Result<Take, TakeError> {

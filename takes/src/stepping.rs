@@ -1,8 +1,7 @@
 //! Stepping: the motion of a take made possible before it is performed (`controllers::stepping`).
 //!
 //! In: a [`Take`] whose feet stand and step as its contacts say. Out: what is possible of it: the plan and the clip, the same
-//! for scripts, clips and retargeted characters. What is performed by looking ahead ([`sim::foresight`]) is smoothed instead, as inverse dynamics
-//! smooths it: noise of markers is no motion, and muscles that follow it shake; where the weight goes is the affair of foresight.
+//! for scripts, clips and retargeted characters.
 
 use controllers::stepping::{Measures, Possible, possible};
 use dynamics::analysis::{AnalysisOptions, strength};
@@ -53,16 +52,23 @@ impl Take {
         c.foresight.is_some() && free && sampled && self.asked.plants.is_empty()
     }
 
-    /// Smooths the motion of a take that looks ahead; others stay as they are.
-    pub(crate) fn ready_to_step(mut self) -> Self {
+    /// The motion of a take that looks ahead, made possible, or, where [`Take::possible`] has nothing to say, smoothed as inverse dynamics
+    /// smooths it: noise of markers is no motion, and muscles that follow it shake. Other takes stay as they are.
+    ///
+    /// # Errors
+    /// Legs that two-bone IK cannot solve.
+    pub(crate) fn ready_to_step(mut self) -> Result<Self, IkError> {
         if !self.steps_freely() {
-            return self;
+            return Ok(self);
+        }
+        if let (take, Some(_)) = self.made_possible()? {
+            return Ok(take);
         }
         let model = Model::new(&self.body.character, self.conditions.physics.gravity);
         let clip = &self.asked.clip;
         let strength = strength(&model, &mut State::new(&model), clip, &AnalysisOptions::default());
         (self.asked.clip, _, _) = within_limits(smooth_at(clip, strength).clip);
-        self
+        Ok(self)
     }
 
     /// Whether it is a captured motion on its own feet that is performed whole, and steps, without looking ahead.

@@ -24,7 +24,10 @@ fn a_clip_rendered_into_its_own_folder_stays() {
     let before = std::fs::read(place.at("d/dynamic.bvh")).unwrap();
     let done = place.run(&["render", "d/dynamic.bvh", "--kinematic", "--no-plots", "--out", "d"]);
     assert_eq!(done.code, 0, "{}", done.stderr);
-    assert_eq!(place.names("d"), ["dynamic.bvh", "kinematic.bvh", "kinematic.glb", "report.json"]);
+    assert_eq!(
+        place.names("d"),
+        ["contacts.ron", "dynamic.bvh", "kinematic.bvh", "kinematic.glb", "report.json"]
+    );
     assert!(std::fs::read(place.at("d/dynamic.bvh")).unwrap() == before);
     // performed, it would be replaced by its own performance
     refused(
