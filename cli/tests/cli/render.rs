@@ -282,7 +282,7 @@ fn slow_a_run_that_diverges() {
     assert!(done.stdout.contains("FAILED"), "{}", done.stdout);
     let r = place.report("out");
     assert!(field(&r, "dynamic.diverged").as_str().unwrap().contains("diverged"));
-    assert_eq!(place.names("out").len(), 5 + 14);
+    assert_eq!(place.names("out").len(), 6 + 14);
 }
 
 /// A fall is no failure, but it is not kept quiet.

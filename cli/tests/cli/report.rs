@@ -41,8 +41,13 @@ fn slow_the_document_names_every_field() {
         pushes: [Push(link: \"chest\", impulse_ns: (0, 0, 400), start_s: 0.1)]",
     );
     // an assisted root has a budget
-    for (input, root) in [(scene.clone(), "free"), (scene, "assisted"), (clip, "pinned")] {
-        let done = place.render(&input, &["--json", "--root", root]);
+    let walk = support::shared("mocap/bvh/16_16.bvh");
+    // a walk that looks ahead says what it foresaw
+    let ahead = ["--foresight", "0.1,10", "--span", "0..0.3"];
+    for (input, root, more) in
+        [(scene.clone(), "free", &[][..]), (scene, "assisted", &[]), (clip, "pinned", &[]), (walk, "free", &ahead)]
+    {
+        let done = place.render(&input, &[&["--json", "--root", root], more].concat());
         assert_eq!(done.code, 0, "{}", done.stderr);
         let report: serde_json::Value = serde_json::from_str(&done.stdout).unwrap();
         paths(&report, "", &mut fields);
