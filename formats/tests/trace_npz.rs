@@ -185,6 +185,8 @@ fn units_name_arrays() {
         root_correction: vec![0.0; 35],
         props: vec![bodies::Prop::upright("step", Vec3::x(), Vec3::new(1.0, 2.0, 3.0), 0.1, 0.8)],
     };
+    let stands = motion::Contact { point: "arm".into(), from_s: 0.0, to_s: 0.1, world_from_point: None };
+    disturbed.plan = motion::ContactPlan::new(vec![stands]).unwrap();
     [plain, disturbed].iter().for_each(units_name_arrays_of);
 }
 
@@ -202,6 +204,9 @@ fn units_name_arrays_of(trace: &Trace) {
         "units",
         "contact_row",
         "contact_link",
+        "contact_against",
+        "plan_point",
+        "prop_name",
         "carried_link",
         "carried_rows",
         "link_name",

@@ -42,6 +42,7 @@ const UNITS: &[(&str, &str)] = &[
     ("carried_com", "m"),
     ("prop_half", "m"),
     ("prop_place", "m, quaternion w x y z"),
+    ("prop_friction", "1"),
     ("contact_point", "m"),
     ("contact_force", "N"),
     ("contact_depth", "m"),
@@ -159,6 +160,7 @@ pub fn write<W: Write + Seek>(trace: &Trace, out: W) -> io::Result<()> {
         "disturbed_wrench" => !d.wrench.is_empty(),
         "root_correction" => !d.root_correction.is_empty(),
         "plan_span" | "plan_place" => !trace.plan.is_empty(),
+        "prop_half" | "prop_place" | "prop_friction" => !d.props.is_empty(),
         _ => !name.starts_with("carried_") || !d.carried.is_empty(),
     };
     let units: Vec<&str> = UNITS.iter().filter(|u| written(u.0)).flat_map(|u| [u.0, u.1]).collect();
