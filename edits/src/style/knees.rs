@@ -60,22 +60,21 @@ fn the_usual_way(across: &Vec3, usual: &Vec3) -> Vec3 {
     if short <= 0.0 { *across } else { across + usual * short }
 }
 
-/// Gives legs with a goal the turns that they had in `base` (`was`: its links), from which IK starts: a leg that a style stretches
+/// Gives legs with a goal the turns that they had in `base` (`was`: its links; `is`: those of `clip`), from which IK starts: a leg that a style stretches
 /// or breaks has nothing to start from. Knees of three axes that are bent the wrong way are bent the usual way.
 pub(super) fn as_before(
     clip: &mut Clip,
     leg: &Leg,
     goals: &[Option<Transform>],
     base: &Clip,
-    was: &[Kinematics],
+    [was, is]: [&[Kinematics]; 2],
 ) {
     let s = clip.skeleton.clone();
     let (upper, lower) = (leg.limb.upper, leg.limb.lower);
     let turns = s.links()[lower].joint == Joint::Spherical;
     let way = usual(was.iter().map(|k| bend(k, leg).0));
     for f in (0..clip.frames()).filter(|f| goals[*f].is_some()) {
-        let k = Kinematics::new(&s, clip.pose(f));
-        let above = s.links()[upper].parent.map_or(motion::Quat::identity(), |p| k.world[p].rotation)
+        let above = s.links()[upper].parent.map_or(motion::Quat::identity(), |p| is[f].world[p].rotation)
             * s.links()[upper].parent_from_zero.rotation;
         let turn = above.inverse() * was[f].world[upper].rotation;
         let q = clip.pose_mut(f);

@@ -140,7 +140,7 @@ pub(super) fn keep(base: &Clip, contacts: &ContactPlan, styled: &mut Clip) -> Re
             let turn = slerp(&from.rotation, &to.rotation, smoothstep((room / TURN_M).min(1.0)));
             *goal = unless_there(&to, &Transform::from_parts(at.into(), turn));
         }
-        knees::as_before(styled, leg, goals, base, &was);
+        knees::as_before(styled, leg, goals, base, [&was, &is]);
     }
     let mut notes = feet.bring(styled, &goals, LOWER_HZ)?;
     let legs = feet.legs.iter().zip(&goals).zip(&rooms);
