@@ -184,7 +184,7 @@ mod tests {
 
     /// A foot is lifted by a share of the style's lift, and lowered no further than there is room and leg.
     #[test]
-    fn feet_are_lifted_by_a_share_and_stay_clear() {
+    fn feet_are_lifted_by_a_third_and_stay_clear() {
         assert_eq!(lifted(0.3, 0.0, 0.0), LIFT * 0.3);
         assert_eq!(lifted(-0.2, 0.0, -1.0), 0.0);
         let by = lifted(-0.2, 0.1, -1.0);
