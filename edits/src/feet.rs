@@ -167,15 +167,19 @@ impl Feet {
         }
         let frames = clip.frames();
         let mut need = vec![0.0_f64; frames];
-        for (leg, goals) in self.legs.iter().zip(goals) {
-            for (f, goal) in goals.iter().enumerate() {
-                let Some(goal) = goal else { continue };
+        let mut k = Kinematics::new(&s, &s.zero_pose());
+        for (f, need) in need.iter_mut().enumerate() {
+            let asked = || self.legs.iter().zip(goals).filter_map(|(leg, goals)| Some((leg, goals[f]?)));
+            if asked().next().is_none() {
+                continue;
+            }
+            k.update(&s, clip.pose(f));
+            for (leg, goal) in asked() {
                 let reach = reach_range(&s, clip.pose(f), &leg.limb)?.1 * STRAIGHTEST;
-                let k = Kinematics::new(&s, clip.pose(f));
                 let from = k.origin(leg.limb.upper) - goal.translation.vector;
                 let across = from.x.hypot(from.z);
                 if from.norm() > reach && across < reach {
-                    need[f] = need[f].max(from.y - (reach * reach - across * across).sqrt());
+                    *need = need.max(from.y - (reach * reach - across * across).sqrt());
                 }
             }
         }

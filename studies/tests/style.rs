@@ -24,28 +24,30 @@ fn open(clip: &str) -> Take {
     takes::open(support::shared(&format!("mocap/{clip}")), &Ask::default()).unwrap()
 }
 
-/// Measures that do not close half of their gap, or not one way, and content that is lost: `docs/STYLE_COMPONENTS.md` says why.
-const NOT_REACHED: &[(&str, &[Measure], usize)] = &[
-    ("zombie, running", &[Measure::KneeLift], 3),
-    ("walk, happy", &[Measure::Bounce], 0),
-    ("happy walk, neutral", &[Measure::Bounce], 0),
-    ("walk, dancing", &[Measure::ArmsForward], 0),
-    ("dance, walking", &[Measure::ArmsForward], 0),
+/// Measures that do not close half of their gap, or not one way: `docs/STYLE_COMPONENTS.md` says why.
+const NOT_REACHED: &[(&str, &[Measure])] = &[
+    ("zombie, running", &[Measure::KneeLift]),
+    ("walk, happy", &[Measure::Bounce]),
+    ("happy walk, neutral", &[Measure::Bounce]),
+    ("walk, dancing", &[Measure::ArmsForward]),
+    ("dance, walking", &[Measure::ArmsForward]),
 ];
 
-/// Styles come and content stays, in all transfers of the paper but where it is said.
+/// Styles come in all transfers of the paper but where it is said, and content stays in all: slip is at most 2 mm more among the rest.
 #[test]
 fn slow_styles_come_and_content_stays() {
     for pair in PAIRS {
         let (base, donor) = (open(pair.base), open(pair.donor));
         let outcome = measure(&base, &donor, pair.measures, &find(), pair.components).unwrap();
-        let known = NOT_REACHED.iter().find(|k| k.0 == pair.name).map_or((&[][..], 0), |k| (k.1, k.2));
+        let known = NOT_REACHED.iter().find(|k| k.0 == pair.name).map_or(&[][..], |k| k.1);
         for m in &outcome.moved {
             println!("{}: {} {:.0} % {:?}", pair.name, m.measure.word(), 100.0 * m.share(), m.values);
-            assert!(m.comes() || known.0.contains(&m.measure), "{}: {m:?}", pair.name);
+            assert!(m.comes() || known.contains(&m.measure), "{}: {m:?}", pair.name);
         }
         let lost = outcome.lost();
-        assert!(lost.len() <= known.1, "{}: {lost:?}", pair.name);
+        assert!(lost.is_empty(), "{}: {lost:?}", pair.name);
+        let [before, after] = outcome.content;
+        assert!(after.slip_mm < before.slip_mm + 0.5, "{}: {after:?}", pair.name); // as much in all
     }
 }
 

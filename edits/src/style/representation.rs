@@ -41,8 +41,8 @@ impl Word for Representation {
 
 /// Weight of the three axes of a bone beside its children, m.
 const AXIS_M: f64 = 0.05;
-/// A fit that turns by less is done, rad.
-const STILL: f64 = 1e-13;
+/// A fit that turns by less is done, rad: what is left is as its square.
+const STILL: f64 = 1e-7;
 /// Most steps of a fit.
 const STEPS: usize = 30;
 

@@ -10,7 +10,7 @@
 //!   the ground and the leg is long enough.
 //!
 //! Points of a sole that are near the ground are near it in the base too, and move as they did there: slip is the base's. Knees
-//! bend in the base's plane ([`super::knees`]).
+//! bend in the base's plane, and legs keep their limits ([`super::knees`]); what cannot be kept is said.
 
 use motion::ik::{IkError, reach_range};
 use motion::rotation::slerp;
@@ -23,8 +23,10 @@ use crate::feet::{Feet, Goals, Leg, STRAIGHTEST, of_limb, unless_there, worlds};
 const CLEAR_M: f64 = 0.03;
 /// From there up to so much more, m, its turn becomes the style's.
 const TURN_M: f64 = 0.12;
-/// Share of the style's lift that a foot in the air takes.
-const LIFT: f64 = 0.5;
+/// Share of the style's lift that a foot in the air takes: with more, thighs of a base that shuffles lose their rhythm.
+const LIFT: f64 = 1.0 / 3.0;
+/// Limits that are left by less are not spoken of, degrees.
+const BEYOND_DEG: f64 = 0.5;
 /// The root is lowered no faster than this frequency, Hz: slower than steps, so that a body that bounces goes on bouncing.
 const LOWER_HZ: f64 = 0.8;
 
@@ -117,7 +119,9 @@ pub(super) fn keep(base: &Clip, contacts: &ContactPlan, styled: &mut Clip) -> Re
     let s = base.skeleton.clone();
     let (was, is) = (worlds(base), worlds(styled));
     let mut goals: Goals = feet.goals(&is);
-    for (leg, goals) in feet.legs.iter().zip(&mut goals).filter(|x| x.0.limb.kind == LimbKind::Leg) {
+    let mut rooms: Vec<Vec<f64>> = vec![Vec::new(); goals.len()];
+    let legs = feet.legs.iter().zip(&mut goals).zip(&mut rooms);
+    for ((leg, goals), rooms) in legs.filter(|x| x.0.0.limb.kind == LimbKind::Leg) {
         let stands = stands(base, contacts, leg);
         let clear = clearance(&was, &s, leg, &stands);
         let foot = |all: &[Kinematics], f: usize| all[f].world[leg.limb.end];
@@ -127,6 +131,7 @@ pub(super) fn keep(base: &Clip, contacts: &ContactPlan, styled: &mut Clip) -> Re
         for (f, goal) in goals.iter_mut().enumerate() {
             let (from, to) = (foot(&was, f), foot(&is, f));
             let room = (clear[f] - CLEAR_M).max(0.0);
+            rooms.push(room);
             let reach = STRAIGHTEST * reach_range(&s, base.pose(f), &leg.limb)?.1;
             let hip = is[f].origin(leg.limb.upper) - from.translation.vector;
             let across = hip.x.hypot(hip.z).min(reach);
@@ -135,11 +140,30 @@ pub(super) fn keep(base: &Clip, contacts: &ContactPlan, styled: &mut Clip) -> Re
             let turn = slerp(&from.rotation, &to.rotation, smoothstep((room / TURN_M).min(1.0)));
             *goal = unless_there(&to, &Transform::from_parts(at.into(), turn));
         }
-        knees::as_before(styled, leg, goals, base, &was);
+        knees::as_before(styled, leg, goals, base, [&was, &is]);
     }
-    let notes = feet.bring(styled, &goals, LOWER_HZ)?;
-    for (leg, goals) in feet.legs.iter().zip(&goals).filter(|x| x.0.limb.kind == LimbKind::Leg) {
-        knees::in_plane(styled, leg, goals, &was);
+    let mut notes = feet.bring(styled, &goals, LOWER_HZ)?;
+    let legs = feet.legs.iter().zip(&goals).zip(&rooms);
+    for ((leg, goals), rooms) in legs.filter(|x| x.0.0.limb.kind == LimbKind::Leg) {
+        knees::in_plane(styled, leg, goals, base, &was);
+        let mut worst = (0.0, 0);
+        for f in (0..base.frames()).filter(|f| goals[*f].is_some()) {
+            let (before, q) = (base.pose(f), styled.pose_mut(f));
+            if rooms[f] > 0.0 {
+                knees::ankle_within(&s, leg, before, q);
+            }
+            let by = knees::beyond_deg(&s, leg, before, q);
+            if by > worst.0 {
+                worst = (by, f);
+            }
+        }
+        if worst.0 > BEYOND_DEG {
+            let (name, at_s) = (&leg.limb.name, worst.1 as f64 / base.rate_hz);
+            notes.push(format!(
+                "{name} goes where it went only beyond its limits, by up to {:.0}° at {at_s:.2} s",
+                worst.0
+            ));
+        }
     }
     Ok(notes)
 }
@@ -160,8 +184,8 @@ mod tests {
 
     /// A foot is lifted by a share of the style's lift, and lowered no further than there is room and leg.
     #[test]
-    fn feet_are_lifted_by_half_and_stay_clear() {
-        assert_eq!(lifted(0.2, 0.0, 0.0), 0.1);
+    fn feet_are_lifted_by_a_third_and_stay_clear() {
+        assert_eq!(lifted(0.3, 0.0, 0.0), LIFT * 0.3);
         assert_eq!(lifted(-0.2, 0.0, -1.0), 0.0);
         let by = lifted(-0.2, 0.1, -1.0);
         assert!(by < -0.08 && by > -0.1, "{by}");

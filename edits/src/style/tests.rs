@@ -5,7 +5,10 @@ use std::sync::Arc;
 
 use learn::ica::{Count, IcaOptions};
 use motion::rotation::exp;
-use motion::{Clip, Contact, ContactPlan, Joint, Kinematics, Limb, LimbKind, Link, Skeleton, Vec3};
+use motion::{
+    BallLimits, Clip, Contact, ContactPlan, Joint, Kinematics, Limb, LimbKind, Limits, Link, Range, Skeleton,
+    Vec3,
+};
 
 use super::figure::{Figure, Match, Postures};
 use super::representation::Coding;
@@ -286,6 +289,71 @@ fn standing_feet_stay() {
         - Kinematics::new(&a.skeleton, a.pose(70)).origin(foot))
     .norm();
     assert!(moved > 0.02, "{moved}"); // without contacts it would have moved by 0.07 m
+}
+
+/// Frames 60 to 79, in which the left leg stands, with a knee stretched by 3° too far: captured motion has such knees.
+fn with_a_backward_knee(clip: &Clip) -> Clip {
+    let s = clip.skeleton.clone();
+    let shin = s.limb("leg_l").unwrap().lower;
+    let mut out = clip.clone();
+    for f in 60..80 {
+        s.set_rotation(out.pose_mut(f), shin, &exp(&(Vec3::x() * -0.05)));
+    }
+    out
+}
+
+/// A knee that the base stretches too far is bent as knees bend, not backwards, and its thigh is not turned round.
+#[test]
+fn a_knee_stretched_too_far_bends_as_knees_do() {
+    let (a, b) = clips();
+    let a = with_a_backward_knee(&a);
+    let set = set_of(&a, &b, &StyleOptions::default());
+    let stands = Contact { point: "leg_l".into(), from_s: 1.0, to_s: 1.3, world_from_point: None };
+    let base = Motion { contacts: ContactPlan::new(vec![stands]).unwrap(), ..motion(&a) };
+    let styled = apply(&set, &base, &Transfer::of(&set, 1, 1.0)).edited.clip;
+    let leg = a.skeleton.limb("leg_l").unwrap();
+    let (mut turned, mut least, mut moved): (f64, f64, f64) = (0.0, f64::INFINITY, 0.0);
+    for f in 60..=78 {
+        let rotation = |clip: &Clip, link| clip.skeleton.rotation(clip.pose(f), link);
+        turned = turned.max(rotation(&a, leg.upper).angle_to(&rotation(&styled, leg.upper)));
+        least = least.min(motion::rotation::log(&rotation(&styled, leg.lower)).x);
+        let at = |clip: &Clip| Kinematics::new(&clip.skeleton, clip.pose(f)).origin(leg.end);
+        moved = moved.max((at(&a) - at(&styled)).norm());
+    }
+    println!("{turned} {least} {moved}");
+    assert!(turned < 1.2 && least > 0.2 && moved < 1e-6, "{turned} rad, {least} rad, {moved} m");
+}
+
+/// A leg within limits that are narrow is turned no farther than they allow; its foot keeps its place and its turn, and what is
+/// allowed is not touched.
+#[test]
+fn legs_are_turned_within_their_limits() {
+    let (a, _) = clips();
+    let mut links = a.skeleton.links().to_vec();
+    let leg = a.skeleton.limb("leg_l").unwrap().clone();
+    let ranges = [Range::new(-2.0, 2.0), Range::new(-0.3, 0.3), Range::new(-0.2, 0.2)];
+    links[leg.upper].limits =
+        Some(Limits::Ball(BallLimits { axes: [Vec3::x(), Vec3::z(), Vec3::y()], ranges }));
+    let limited = Skeleton::new(links).unwrap();
+    let mut held = 0;
+    for f in (0..a.frames()).step_by(7) {
+        for wanted in [-0.8, -0.05, 0.0, 0.05, 0.8] {
+            let angle = super::knees::allowed(&limited, &leg, a.pose(f), a.pose(f), wanted);
+            let mut q = a.pose(f).to_vec();
+            motion::ik::swivel::turn(&limited, &mut q, &leg, angle);
+            let is = limited.rotation(&q, leg.upper);
+            let Some(Limits::Ball(ball)) = &limited.links()[leg.upper].limits else { panic!("a ball") };
+            assert!(ball.clamp(&is).angle_to(&is) < 1e-6, "{f}, {wanted}: {angle}");
+            let [was, is] = [a.pose(f), &q[..]].map(|q| Kinematics::new(&limited, q).world[leg.end]);
+            let moved = (was.translation.vector - is.translation.vector).norm();
+            assert!(moved < 1e-9 && was.rotation.angle_to(&is.rotation) < 1e-7, "{f}: {moved} m");
+            let less = angle.abs() < wanted.abs() && angle * wanted >= 0.0;
+            assert!(angle == wanted || less, "{f}: {angle} for {wanted}");
+            held += usize::from(angle != wanted);
+            assert!(angle == wanted || wanted.abs() > 0.5, "{f}: {angle} for {wanted}");
+        }
+    }
+    assert!(held > 50, "{held}");
 }
 
 /// The donor's timing makes the base as slow as the donor, and its way with it.
