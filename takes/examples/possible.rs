@@ -18,7 +18,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         std::fs::read_dir(Path::new(&folder))?.map(|e| Ok(e?.path())).collect::<std::io::Result<_>>()?;
     files.retain(|f| {
         let stem = f.file_stem().map(|s| s.to_string_lossy().into_owned()).unwrap_or_default();
-        let asked = named.iter().any(|n| *n == stem);
+        let asked = named.contains(&stem);
         let bvh = f.extension().is_some_and(|e| e == "bvh");
         bvh && if named.is_empty() { !STANDS.iter().any(|s| stem.starts_with(s)) } else { asked }
     });
