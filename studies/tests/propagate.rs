@@ -4,8 +4,8 @@
 
 use std::sync::Arc;
 
+use edits::by_example::ExampleFrame;
 use edits::by_example::features::Features;
-use edits::by_example::model::ExampleFrame;
 use edits::by_example::review::{LEAST_APART_RAD, contradictions, key_next};
 use edits::by_example::{ByExample, ExampleEdit, ExampleOptions, Outputs, Pair, Rig, outputs};
 use edits::{Motion, Where};
