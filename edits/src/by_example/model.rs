@@ -93,7 +93,7 @@ pub struct Learning {
     pub model: &'static str,
     /// How often its likelihood was evaluated.
     pub evaluations: usize,
-    /// Most iterations of the search; each needs one evaluation, seldom two. It usually ends before.
+    /// Most iterations of its two searches; each needs one evaluation, seldom two. They usually end before.
     pub of: usize,
 }
 
@@ -143,7 +143,7 @@ impl ExampleEdit {
         let [configuration, acceleration] = rows.examples(&rig, mirrored)?;
         let settings = learn::ExampleOptions::default();
         let learned = |model: &'static str, examples: &Examples| {
-            let told = |evaluations| watch(Learning { model, evaluations, of: settings.gp.iterations });
+            let told = |evaluations| watch(Learning { model, evaluations, of: 2 * settings.gp.iterations });
             ExampleModel::fit_watched(options.estimator, examples, &settings, &told).map_err(|source| {
                 match source {
                     FitError::Cancelled { evaluations } => ExampleError::Cancelled { model, evaluations },
@@ -252,6 +252,7 @@ impl ExampleEdit {
         let step_s = 1.0 / clip.rate_hz;
         let mut signals = [&self.configuration, &self.acceleration].map(signal);
         // accelerations as sure as that would leave nothing of the configurations to rounding
+        signals[1] = signals[1].max(CALM * signals[0]);
         for (a, k) in a.variance.iter_mut().zip(&k.variance) {
             *a = a.max(CALM * k.max(SUREST * signals[0]));
         }

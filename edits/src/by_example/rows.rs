@@ -121,7 +121,7 @@ impl Rows {
 /// ([`Examples::disagreement`]). The joints' own where there is no difference.
 ///
 /// # Errors
-/// As [`ExampleEdit::learn`].
+/// As [`super::ExampleEdit::learn`].
 pub fn choose_axes(pairs: &[Pair], options: &ExampleOptions) -> Result<Axes, ExampleError> {
     options.check()?;
     let first = pairs.first().ok_or(ExampleError::NoPairs)?;
