@@ -124,7 +124,7 @@ fn words(edit: &ExampleEdit, taught: &[Taught; 2]) -> String {
         rig: edit.rig.clone(),
         options: edit.options.clone(),
         pairs: edit.pairs.clone(),
-        apart_ms: edits::by_example::model::APART_MS,
+        apart_ms: edits::by_example::rows::APART_MS,
         kernels: taught[0].kernel.zip(taught[1].kernel),
     };
     let pretty = ron::ser::PrettyConfig::new().struct_names(true);

@@ -297,6 +297,26 @@ impl Examples {
         self.groups.as_ref().and_then(|g| g.iter().max()).map_or(1, |g| g + 1)
     }
 
+    /// The numbers of examples of which no two of one clip are nearer in time than `share` of what is one event, in order; all of them
+    /// without moments.
+    pub(crate) fn apart(&self, share: f64) -> Vec<usize> {
+        let mut order: Vec<usize> = (0..self.len()).collect();
+        let Some(Moments { of: moments, apart }) = &self.moments else { return order };
+        let least = share * f64::from(*apart);
+        order.sort_by_key(|&i| (moments[i].clip, moments[i].frame));
+        let mut keep: Vec<usize> = Vec::new();
+        for i in order {
+            let near = keep.last().is_some_and(|&k| {
+                moments[k].clip == moments[i].clip && f64::from(moments[i].frame - moments[k].frame) < least
+            });
+            if !near {
+                keep.push(i);
+            }
+        }
+        keep.sort_unstable();
+        keep
+    }
+
     /// Whether two examples are the same event.
     pub(crate) fn same_event(&self, i: usize, j: usize) -> bool {
         i == j

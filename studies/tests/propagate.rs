@@ -4,8 +4,8 @@
 
 use std::sync::Arc;
 
+use edits::by_example::ExampleFrame;
 use edits::by_example::features::Features;
-use edits::by_example::model::ExampleFrame;
 use edits::by_example::review::{LEAST_APART_RAD, contradictions, key_next};
 use edits::by_example::{ByExample, ExampleEdit, ExampleOptions, Outputs, Pair, Rig, outputs};
 use edits::{Motion, Where};
@@ -146,6 +146,19 @@ fn far_from_the_examples_the_source_returns() {
     assert!(error < 3.0, "{error}");
 }
 
+/// Twice the frames do not teach less: what neighbours in time share is not learned.
+#[test]
+fn more_frames_do_no_harm() {
+    for rule in [Rule::SpineByKnee, Rule::LeanBySpeed, Rule::Timing] {
+        let (training, unseen) = (pairs(&TRAINING, rule), pairs(&UNSEEN, rule));
+        let [half, all] = [160, 320].map(|count| {
+            let e = error(Way::Gp, &training, &unseen, count, &ExampleOptions::default()).unwrap();
+            if rule == Rule::Timing { e.rate_percent } else { e.edited_deg }
+        });
+        assert!(all <= 1.2 * half, "{rule:?}: {all} from 320 frames, {half} from 160"); // 1.1 times seen
+    }
+}
+
 /// Known rules, learned from walks, on walks not seen.
 #[test]
 fn known_rules_are_learned() {
@@ -154,6 +167,16 @@ fn known_rules_are_learned() {
         let e: RuleError = error(Way::Gp, &training, &unseen, 320, &ExampleOptions::default()).unwrap();
         assert!(e.edited_deg <= 2.0 && e.others_deg <= 0.2, "{rule:?}: {e:?}");
         assert!(e.rate_percent <= 5.0 && e.drift_s <= 0.05, "{rule:?}: {e:?}");
+    }
+}
+
+/// Examples whose accelerations are all zero do not take the edit away, whatever predicts: no model is surer of them than rounding allows.
+#[test]
+fn accelerations_that_are_all_zero_take_nothing_away() {
+    for (rule, frames, most) in [(Rule::Lean, 20, 0.1), (Rule::ArmsWhileWalking, 20, 5.0)] {
+        let (training, unseen) = (pairs(&TRAINING, rule), pairs(&UNSEEN, rule));
+        let e = error(Way::Mls, &training, &unseen, frames, &ExampleOptions::default()).unwrap();
+        assert!(e.edited_deg <= most, "{rule:?}: {e:?}"); // 0.02° and 3.2° seen
     }
 }
 

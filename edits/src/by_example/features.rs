@@ -6,7 +6,7 @@
 //! root, from a parabola fitted over 0.125 s, in the same frame.
 //!
 //! Distances between frames are those of the paper's coordinates, but these are turned, so that what a body is doing falls into groups that a model may
-//! weigh each for itself ([`configuration_groups`]):
+//! weigh each for itself (`configuration_groups`):
 //!
 //! | group | of | coordinates |
 //! |---|---|---|

@@ -16,6 +16,8 @@
 //! | [`features`] | what a frame is recognised by |
 //! | [`outputs`] | how a target differs from its source, and back |
 //! | [`poses`] | the target itself instead, as the paper has it |
+//! | [`options`] | how an edit is learned and applied |
+//! | [`rows`] | the examples of pairs, and their axes |
 //! | [`model`] | training and prediction |
 //! | [`solve`] | the blend of all predictions: one pentadiagonal system |
 //! | [`contacts`] | the blend with contacts kept: Gauss–Newton on blocks |
@@ -38,6 +40,7 @@ pub mod error;
 pub mod features;
 pub mod model;
 pub mod onto;
+pub mod options;
 pub mod outputs;
 pub mod pair;
 pub mod part;
@@ -45,18 +48,21 @@ pub mod performances;
 pub mod poses;
 pub mod review;
 pub mod rig;
+pub mod rows;
 pub mod solve;
 
 pub use contacts::Contacts;
 pub use edit::ByExample;
 pub use error::ExampleError;
 pub use features::Orientation;
-pub use model::{Answer, ExampleEdit, ExampleFrame, ExampleOptions, Learning, Taught};
+pub use model::{Answer, ExampleEdit, Learning, Taught};
 pub use onto::{Onto, leg_m};
+pub use options::ExampleOptions;
 pub use pair::Pair;
 pub use part::{Part, first};
 pub use performances::{Correspondence, correspond};
 pub use poses::Outputs;
 pub use review::{Contradiction, KeyNext, contradictions, key_next};
 pub use rig::{Axes, Rig};
+pub use rows::ExampleFrame;
 pub use solve::Weights;

@@ -18,29 +18,19 @@
 
 use std::ops::ControlFlow;
 
-use learn::{Batch, ExampleMethod, ExampleModel, Examples, FitError, Mirror, Moment, RbfKernel};
+use learn::{Batch, ExampleModel, Examples, FitError, RbfKernel};
 use motion::Clip;
-use motion::derivatives::parabola;
-use motion::names::Word;
 use nalgebra::DMatrix;
-use serde::{Deserialize, Serialize};
 
-use super::features::{
-    Features, Orientation, PATH_WEIGHT, Recognised, configuration_groups, configuration_width,
-    mirror_acceleration, mirror_configuration,
-};
-use super::rig::{Axes, Rig, RigFile};
-use super::solve::{Evidence, Form, SUREST, Weights, blend};
-use super::{Contacts, ExampleError, Outputs, Pair, outputs, poses};
-
-/// Neighbours in time do not tell how dense examples lie: those closer than this, ms.
-pub const APART_MS: u32 = 500;
+use super::features::{Features, configuration_groups, configuration_width};
+use super::options::ExampleOptions;
+use super::rig::{Rig, RigFile};
+use super::rows::{ExampleFrame, Rows, choose_axes};
+use super::solve::{Evidence, Form, SUREST, blend};
+use super::{ExampleError, Outputs, Pair, outputs, poses};
 
 /// Novelty up to which differences are kept whole, and from which on nothing is left of them.
 pub const GATE: (f64, f64) = (0.8, 1.04);
-
-/// [`ExampleOptions::root_weight`] if nothing else is said: 94 % of a root lowered by 5 cm are kept.
-pub const ROOT_WEIGHT: f64 = 1000.0;
 
 /// Share of the differences that is kept at a novelty: 1 up to the first of [`GATE`], 0 from the second on, smooth between.
 pub fn gate(novelty: f64) -> f64 {
@@ -66,82 +56,6 @@ pub fn gates(novelty: &[f64], rate_hz: f64) -> Vec<f64> {
             sum / all
         })
         .collect()
-}
-
-/// How an edit is learned and applied.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields, default)]
-pub struct ExampleOptions {
-    /// What predicts.
-    pub estimator: ExampleMethod,
-    /// What is learned of a target: its difference to the source, or itself as in the paper ([`poses`]).
-    #[serde(with = "word")]
-    pub outputs: Outputs,
-    /// What is removed of the root's orientation in features.
-    #[serde(with = "word")]
-    pub orientation: Orientation,
-    /// How much the root's way over half a second counts in features; 0 as in the paper ([`Recognised`]).
-    pub path_weight: f64,
-    /// Weights of the blend.
-    pub weights: Weights,
-    /// Most examples a second of a clip, Hz: frames between them say the same.
-    pub examples_hz: f64,
-    /// Counts every example a second time with left and right exchanged, where the body has both.
-    pub mirror: bool,
-    /// Takes differences back where frames are new ([`gates`]).
-    pub gate: bool,
-    /// Whether what stands keeps standing.
-    #[serde(with = "word")]
-    pub contacts: Contacts,
-    /// Where contacts are kept, how much more the root's part of the edit weighs than that of the joints, where legs reach the ground
-    /// from it: at 1, as in the blend, raising the root costs less than bending two legs, and an edit of the root alone is taken back ([`super::contacts`]).
-    pub root_weight: f64,
-}
-
-impl Default for ExampleOptions {
-    fn default() -> Self {
-        Self {
-            estimator: ExampleMethod::default(),
-            outputs: Outputs::default(),
-            orientation: Orientation::default(),
-            path_weight: PATH_WEIGHT,
-            weights: Weights::default(),
-            examples_hz: 30.0,
-            mirror: true,
-            gate: true,
-            contacts: Contacts::default(),
-            root_weight: ROOT_WEIGHT,
-        }
-    }
-}
-
-impl ExampleOptions {
-    /// What features are made of.
-    pub fn recognised(&self) -> Recognised {
-        Recognised { orientation: self.orientation, path_weight: self.path_weight }
-    }
-}
-
-mod word {
-    use super::Word;
-    use serde::{Deserialize, Deserializer, Serializer, de::Error};
-
-    pub fn serialize<W: Word, S: Serializer>(w: &W, s: S) -> Result<S::Ok, S::Error> {
-        s.serialize_str(w.word())
-    }
-
-    pub fn deserialize<'de, W: Word, D: Deserializer<'de>>(d: D) -> Result<W, D::Error> {
-        W::find(&String::deserialize(d)?).map_err(D::Error::custom)
-    }
-}
-
-/// Where an example came from.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-pub struct ExampleFrame {
-    /// Which pair.
-    pub pair: usize,
-    /// Which frame of it.
-    pub frame: usize,
 }
 
 /// A learned edit. See the module header.
@@ -179,7 +93,7 @@ pub struct Learning {
     pub model: &'static str,
     /// How often its likelihood was evaluated.
     pub evaluations: usize,
-    /// Most iterations of the search; each needs one evaluation, seldom two. It usually ends before.
+    /// Most iterations of its two searches; each needs one evaluation, seldom two. They usually end before.
     pub of: usize,
 }
 
@@ -198,14 +112,6 @@ pub struct Answer {
     pub kept: Vec<f64>,
     /// What a departure from `differences` costs.
     pub form: Form,
-}
-
-/// Inputs and targets of both models, one example a row.
-struct Rows {
-    configuration: (Vec<f64>, Vec<f64>),
-    acceleration: (Vec<f64>, Vec<f64>),
-    moments: Vec<Moment>,
-    frames: Vec<ExampleFrame>,
 }
 
 impl ExampleEdit {
@@ -227,7 +133,7 @@ impl ExampleEdit {
         options: &ExampleOptions,
         watch: &(dyn Fn(Learning) -> ControlFlow<()> + Sync),
     ) -> Result<Self, ExampleError> {
-        check(options)?;
+        options.check()?;
         let first = pairs.first().ok_or(ExampleError::NoPairs)?;
         let axes = choose_axes(pairs, options)?;
         let rig = Rig::of(&first.source.skeleton)?.with_axes(axes);
@@ -237,7 +143,7 @@ impl ExampleEdit {
         let [configuration, acceleration] = rows.examples(&rig, mirrored)?;
         let settings = learn::ExampleOptions::default();
         let learned = |model: &'static str, examples: &Examples| {
-            let told = |evaluations| watch(Learning { model, evaluations, of: settings.gp.iterations });
+            let told = |evaluations| watch(Learning { model, evaluations, of: 2 * settings.gp.iterations });
             ExampleModel::fit_watched(options.estimator, examples, &settings, &told).map_err(|source| {
                 match source {
                     FitError::Cancelled { evaluations } => ExampleError::Cancelled { model, evaluations },
@@ -273,7 +179,7 @@ impl ExampleEdit {
         frames: Vec<ExampleFrame>,
         taught: [Taught; 2],
     ) -> Result<Self, ExampleError> {
-        check(&options)?;
+        options.check()?;
         let width: usize = rig.joints.iter().map(|(_, m)| m.width()).sum::<usize>() + outputs::ROOT;
         let points = rig.points.len();
         let sizes = [configuration_width(points), 3 * points];
@@ -346,6 +252,7 @@ impl ExampleEdit {
         let step_s = 1.0 / clip.rate_hz;
         let mut signals = [&self.configuration, &self.acceleration].map(signal);
         // accelerations as sure as that would leave nothing of the configurations to rounding
+        signals[1] = signals[1].max(CALM * signals[0]);
         for (a, k) in a.variance.iter_mut().zip(&k.variance) {
             *a = a.max(CALM * k.max(SUREST * signals[0]));
         }
@@ -378,141 +285,6 @@ impl ExampleEdit {
         let form = Form { root, ..Form::of(&configuration, &acceleration, step_s) }.firm();
         Ok(Answer { differences, predicted, unsure, novelty, kept, form })
     }
-}
-
-fn check(options: &ExampleOptions) -> Result<(), ExampleError> {
-    let w = &options.weights;
-    let fault = |what, value, allowed| Err(ExampleError::Setting { what, value, allowed });
-    if !(options.examples_hz.is_finite() && options.examples_hz > 0.0) {
-        return fault("`examples_hz`", options.examples_hz, "above 0");
-    }
-    for (what, value) in [
-        ("weight `configuration`", w.configuration),
-        ("weight `source`", w.source),
-        ("weight `acceleration`", w.acceleration),
-        ("weight `source_acceleration`", w.source_acceleration),
-    ] {
-        if !(value.is_finite() && value >= 0.0) {
-            return fault(what, value, "0 or more");
-        }
-    }
-    if !(options.path_weight.is_finite() && options.path_weight >= 0.0) {
-        return fault("`path_weight`", options.path_weight, "0 or more");
-    }
-    if !(options.root_weight.is_finite() && options.root_weight > 0.0) {
-        return fault("`root_weight`", options.root_weight, "above 0");
-    }
-    if w.configuration + w.source <= 0.0 {
-        return fault(
-            "the sum of the weights `configuration` and `source`",
-            0.0,
-            "above 0: something must say where joints are",
-        );
-    }
-    Ok(())
-}
-
-impl Rows {
-    /// The examples of all pairs; the first of them is pair number `first`.
-    fn of(
-        file: &RigFile,
-        pairs: &[Pair],
-        first: usize,
-        options: &ExampleOptions,
-    ) -> Result<Self, ExampleError> {
-        let mut rows = Self {
-            configuration: (Vec::new(), Vec::new()),
-            acceleration: (Vec::new(), Vec::new()),
-            moments: Vec::new(),
-            frames: Vec::new(),
-        };
-        for (i, pair) in pairs.iter().enumerate() {
-            pair.check()?;
-            let named = |e: ExampleError| match e {
-                ExampleError::OtherRig { what } => {
-                    ExampleError::OtherRig { what: format!("pair `{}`: {what}", pair.name) }
-                }
-                other => other,
-            };
-            let source = Rig::find(file, &pair.source.skeleton).map_err(named)?;
-            let target = Rig::find(file, &pair.target.skeleton).map_err(named)?;
-            let frames = pair.examples(options.examples_hz)?;
-            let features = Features::of(&source, &pair.source, &frames, options.recognised());
-            let (from, to, times) =
-                ((&source, &pair.source), (&target, &pair.target), pair.times_s.as_deref());
-            let d = match options.outputs {
-                Outputs::Differences => outputs::differences(from, to, times),
-                Outputs::Poses => poses::of(to.0, to.1, times),
-            };
-            let rate_hz = pair.source.rate_hz;
-            let last = d.nrows() - 1;
-            let half = ((0.5 * super::features::APART_S * rate_hz).round() as usize).max(1);
-            for (row, &frame) in frames.iter().enumerate() {
-                rows.configuration.0.extend(features.configuration.row(row).iter());
-                let at = rows.configuration.1.len();
-                rows.configuration.1.extend(d.row(frame).iter());
-                rows.acceleration.0.extend(features.acceleration.row(row).iter());
-                let (from, to) = (frame.saturating_sub(half), (frame + half).min(last));
-                // the step of a single frame has the noise of two poses times the frame rate
-                for c in outputs::rates(&source) {
-                    let sum: f64 = (from..=to).map(|f| d[(f, c)]).sum();
-                    rows.configuration.1[at + c] = sum / (to - from + 1) as f64;
-                }
-                let bends = parabola(from as i64 - frame as i64, to as i64 - frame as i64, rate_hz);
-                let bend =
-                    |c: usize| (from..=to).zip(&bends).map(|(f, (_, bend))| bend * d[(f, c)]).sum::<f64>();
-                rows.acceleration.1.extend((0..d.ncols()).map(bend));
-                let at_ms = (1e3 * frame as f64 / rate_hz).round() as u32;
-                rows.moments.push(Moment { clip: (first + i) as u32, frame: at_ms });
-                rows.frames.push(ExampleFrame { pair: first + i, frame });
-            }
-        }
-        Ok(rows)
-    }
-
-    /// As examples of the two models.
-    fn examples(&self, rig: &Rig, mirrored: bool) -> Result<[Examples; 2], ExampleError> {
-        let n = self.frames.len();
-        let of = |rows: &(Vec<f64>, Vec<f64>), input: Option<super::rig::Signed>, model| {
-            let matrix = |v: &Vec<f64>| DMatrix::from_row_slice(n, v.len() / n.max(1), v);
-            let mirror = match (mirrored, input, outputs::mirror(rig)) {
-                (true, Some(input), Some(output)) => Some(Mirror { input, output }),
-                _ => None,
-            };
-            Examples::new(matrix(&rows.0), matrix(&rows.1), mirror)
-                .and_then(|e| e.with_moments(self.moments.clone(), APART_MS))
-                .map_err(|source| ExampleError::Fit { model, source })
-        };
-        let grouped = |e: Examples| {
-            e.with_groups(configuration_groups(rig.points()))
-                .map_err(|source| ExampleError::Fit { model: "configurations", source })
-        };
-        Ok([
-            grouped(of(&self.configuration, mirror_configuration(rig), "configurations")?)?,
-            of(&self.acceleration, mirror_acceleration(rig), "accelerations")?,
-        ])
-    }
-}
-
-/// The axes in which the examples of the pairs agree better: in which a target is nearer to that of the most alike frame of another time
-/// ([`Examples::disagreement`]). The joints' own where there is no difference.
-///
-/// # Errors
-/// As [`ExampleEdit::learn`].
-pub fn choose_axes(pairs: &[Pair], options: &ExampleOptions) -> Result<Axes, ExampleError> {
-    check(options)?;
-    let first = pairs.first().ok_or(ExampleError::NoPairs)?;
-    if options.outputs == Outputs::Poses {
-        return Ok(Axes::Joint);
-    }
-    let disagreement = |axes| {
-        let rig = Rig::of(&first.source.skeleton)?.with_axes(axes);
-        let rows = Rows::of(rig.file(), pairs, 0, options)?;
-        let [configuration, _] = rows.examples(&rig, options.mirror && rig.is_symmetric())?;
-        Ok::<f64, ExampleError>(configuration.disagreement())
-    };
-    let parent = disagreement(Axes::Parent)? < disagreement(Axes::Joint)?;
-    Ok(if parent { Axes::Parent } else { Axes::Joint })
 }
 
 /// σ_f² of a model; the mean square of its targets where it has no kernel.

@@ -9,7 +9,8 @@
 use learn::Mirror;
 use nalgebra::DMatrix;
 
-use super::model::{Answer, ExampleFrame};
+use super::model::Answer;
+use super::rows::ExampleFrame;
 use super::{ExampleEdit, ExampleError, outputs};
 
 /// Differences at neighbours that are this far apart at a joint contradict each other, rad: 10°.

@@ -16,6 +16,12 @@
 //! and not its pose is then a function of the speed. A length may be up to ten diameters: what does not matter is not looked at. Novelty
 //! ([`Batch::novelty`]) stays the distance in all coordinates, so that what is new in any way is known as new.
 //!
+//! **Neighbours in time.** Frames of a motion one after the other share what no function of the inputs explains (a step that is a little faster than it looks), and the
+//! likelihood, which takes what is left for noise of each alone, makes a rule of it: the more frames, the more. Where examples have moments
+//! ([`Examples::with_moments`]) and some are nearer in time than a fifth of what is one event (0.1 s of 0.5 s in an edit), a second kernel is learned from those that are not, and taken where it halves the squared error of
+//! examples left out with all that are the same event ([`RbfRegression::leave_event_out`]). Neither is always better: from few frames a
+//! rule with a kink looks smooth and free of noise.
+//!
 //! **What is not learned.** Targets that are all zero (root mean square below 10⁻⁹): the likelihood has no bound as both
 //! variances go to 0. The kernel is then the start with s² = 1, the mean is zero everywhere, the variance small near the examples. Inputs
 //! all at one place, one example among them: nothing tells l. The kernel is the start with l a tenth of the input's
@@ -67,6 +73,10 @@ const GROUP_LENGTH: f64 = 10.0;
 const LEARN_FROM: usize = 2000;
 /// Neighbours in each run of examples that a kernel is learned from when there are many.
 const RUN: usize = 20;
+/// Examples nearer in time than this part of what is one event share what the rule leaves over.
+const SHARED: f64 = 0.2;
+/// Part of the squared error that is left where the kernel of fewer examples is taken: they know less, and small gains are chance.
+const BETTER: f64 = 0.5;
 /// Part of s² that is noise at the start.
 const START_NOISE: f64 = 0.01;
 
@@ -228,12 +238,12 @@ impl RbfRegression {
                 kernel.check()?;
                 (kernel, unlearned("the kernel was given"))
             }
-            None if examples.effective() <= options.exact_up_to => learn(examples, options, watch)?,
+            None if examples.effective() <= options.exact_up_to => choose(examples, options, watch)?,
             None => {
                 let images = examples.effective() / examples.len();
                 let most = (options.exact_up_to.min(LEARN_FROM) / images).max(1);
                 let keep = runs(examples.len(), most);
-                learn(&examples.subset(&keep)?, options, watch)?
+                choose(&examples.subset(&keep)?, options, watch)?
             }
         };
         RbfRegression::with_kernel(examples.clone(), options.clone(), kernel, learning)
@@ -363,6 +373,28 @@ fn runs(all: usize, most: usize) -> Vec<usize> {
     keep.dedup();
     keep.truncate(most);
     keep
+}
+
+/// The kernel of `examples`: learned from all of them, or from those [`SHARED`] of an event apart where it foretells other events clearly better.
+fn choose(
+    examples: &Examples,
+    options: &RbfOptions,
+    watch: &Watch<'_>,
+) -> Result<(RbfKernel, Learning), FitError> {
+    let (all, of_all) = learn(examples, options, watch)?;
+    let keep = examples.apart(SHARED);
+    if keep.len() == examples.len() || of_all.evaluations == 0 {
+        return Ok((all, of_all));
+    }
+    let later = |evaluations: usize| watch(of_all.evaluations + evaluations);
+    let (few, of_few) = learn(&examples.subset(&keep)?, options, &later)?;
+    let foretold = |kernel| {
+        let as_they_are = RbfOptions { exact_up_to: usize::MAX, ..options.clone() };
+        let given = unlearned("the kernel was given");
+        let model = RbfRegression::with_kernel(examples.clone(), as_they_are, kernel, given)?;
+        Ok::<f64, FitError>(model.leave_event_out()?.residual.norm_squared())
+    };
+    Ok(if foretold(few)? < BETTER * foretold(all)? { (few, of_few) } else { (all, of_all) })
 }
 
 fn unlearned(why: &str) -> Learning {

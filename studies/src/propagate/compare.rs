@@ -14,8 +14,8 @@
 use std::sync::Arc;
 
 use edits::by_example::features::{Features, Recognised};
-use edits::by_example::model::choose_axes;
 use edits::by_example::outputs::{self, Allowed};
+use edits::by_example::rows::choose_axes;
 use edits::by_example::{Axes, ByExample, ExampleEdit, ExampleOptions, Pair, Rig};
 use edits::{Motion, Where};
 use learn::ExampleMethod;
