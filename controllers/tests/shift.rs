@@ -18,7 +18,7 @@ fn ground(frames: usize, side: f64, friction: f64) -> Ground {
     let one = |f: usize| {
         if flies(f) {
             Support::default()
-        } else if (f / 60) % 2 == 0 {
+        } else if (f / 60).is_multiple_of(2) {
             sole(0.1 * side, 0.0)
         } else {
             sole(-0.1 * side, 0.2)

@@ -44,9 +44,12 @@ fn slow_the_document_names_every_field() {
     let walk = support::shared("mocap/bvh/16_16.bvh");
     // a walk that looks ahead says what it foresaw
     let ahead = ["--foresight", "0.1,10", "--span", "0..0.3"];
-    for (input, root, more) in
-        [(scene.clone(), "free", &[][..]), (scene, "assisted", &[]), (clip, "pinned", &[]), (walk, "free", &ahead)]
-    {
+    for (input, root, more) in [
+        (scene.clone(), "free", &[][..]),
+        (scene, "assisted", &[]),
+        (clip, "pinned", &[]),
+        (walk, "free", &ahead),
+    ] {
         let done = place.render(&input, &[&["--json", "--root", root], more].concat());
         assert_eq!(done.code, 0, "{}", done.stderr);
         let report: serde_json::Value = serde_json::from_str(&done.stdout).unwrap();

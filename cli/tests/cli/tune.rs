@@ -41,9 +41,15 @@ fn slow_a_scene_is_tuned() {
     let done = tune(&place, &["--evaluations", "10", "--slices", "2", "--seed", "5"]);
     assert_eq!(done.code, 0, "{}", done.stderr);
     assert!(done.stderr.contains("seed 5"), "{}", done.stderr);
-    for words in
-        ["stand: The cost in core is ", "rapier ", "pressure", "tension", "tracking", "seed 5, start scene", "tune.html"]
-    {
+    for words in [
+        "stand: The cost in core is ",
+        "rapier ",
+        "pressure",
+        "tension",
+        "tracking",
+        "seed 5, start scene",
+        "tune.html",
+    ] {
         assert!(done.stdout.contains(words), "{words}: {}", done.stdout);
     }
     let mut expected = vec!["patch.ron", "report.json", "samples.csv", "tune.html"];
