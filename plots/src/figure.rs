@@ -2,7 +2,7 @@
 //!
 //! In: marks in page pixels, x right, y down. Out: files. One function, generic over the plotters
 //! backend, draws both; it works at four times the page's resolution, because backends take whole
-//! pixels: the SVG maps that back by its `viewBox`, the PNG is averaged down, in bands of rows on all cores ([`crate::raster`]).
+//! pixels: the SVG maps that back by its `viewBox`, the PNG is averaged down, in bands of rows on all cores (`raster`).
 //! Same marks, same bytes.
 
 use std::io;
