@@ -51,8 +51,8 @@ impl Character {
     /// let touch = |a: &str, b: &str| {
     ///     human.self_pairs().iter().any(|&[i, j]| (name(all[i].link), name(all[j].link)) == (a, b))
     /// };
-    /// assert!(touch("hand_l", "hand_r") || touch("hand_r", "hand_l"));
-    /// assert!(!touch("thigh_l", "shin_l"));
+    /// assert!(touch("wrist_l", "wrist_r") || touch("wrist_r", "wrist_l"));
+    /// assert!(!touch("hip_l", "knee_l"));
     /// ```
     pub fn self_pairs(&self) -> Vec<[usize; 2]> {
         let all = self.capsules();
