@@ -1,6 +1,6 @@
 //! `THIRD-PARTY.md` names every package that the program is built from, and none that it is not, in the versions of `Cargo.lock`.
 //!
-//! cargo-about made the file from the resolved graph; cargo itself (`cargo tree`) says here what is built, without the network.
+//! cargo-about made the file from the resolved graph; cargo itself (`cargo tree`) says here what is built, fetching packages of other systems where they are not there yet.
 
 use std::collections::BTreeSet;
 use std::process::Command;
@@ -23,7 +23,7 @@ fn built() -> BTreeSet<String> {
     let mut all = BTreeSet::new();
     for target in TARGETS {
         let out = Command::new(env!("CARGO"))
-            .args(["tree", "--frozen", "-p", "cli", "-e", "normal,no-proc-macro", "--prefix", "none"])
+            .args(["tree", "--locked", "-p", "cli", "-e", "normal,no-proc-macro", "--prefix", "none"])
             .args(["--target", target])
             .current_dir(support::root())
             .output()
