@@ -25,7 +25,7 @@ pub fn run(args: &RenderArgs) -> Result<(), Failure> {
         ask.foresight = Some(takes::replay::replay(path).map_err(Failure::input)?);
     }
     let mut take = takes::open(args.input.as_path(), &ask)?;
-    if ask.foresight.is_some() && !take.steps_freely() {
+    if ask.foresight.is_some() && !take.looks_ahead() {
         return Err(Failure::Input(format!(
             "{} has nothing to foresee: --foresight and --replay are for clips and retargeted motion that step, over ground, with --root free",
             args.input.display()

@@ -52,27 +52,23 @@ pub fn run(args: &TuneArgs, take: &Take) -> Result<(), Failure> {
         grid.len(),
         if missing == 0 { String::new() } else { format!(", {missing} of this shard missing") }
     );
-    let second = if missing == 0 { confirmed(args, take, &table.head, &all)? } else { None };
-    finish(args, &dir, &table.head, &all, text, second)
+    finish(args, take, &dir, &table.head, &all, text, missing == 0)
 }
 
-/// The best sample costed in a second engine: its name, and the cost there.
+/// A sample costed in a second engine: its name, and the cost there.
 fn confirmed(
     args: &TuneArgs,
     take: &Take,
     head: &Head,
-    all: &BTreeMap<usize, Sample>,
+    sample: &Sample,
 ) -> Result<Option<(String, f64)>, Failure> {
     let engines = engines();
     let Some(second) = confirming(&engines, &args.confirm, take.searcher(&engines)?)? else {
         return Ok(None);
     };
-    let Some((_, best)) = sweep_results::best(all) else { return Ok(None) };
     let cost = Cost::new(take, &take.tune, second)?;
-    Ok(Some((
-        second.name().to_owned(),
-        cost.evaluate(&cost.with_named(head.parameters().into_iter().zip(best.values.iter().copied()))).cost,
-    )))
+    let tunable = cost.with_named(head.parameters().into_iter().zip(sample.values.iter().copied()));
+    Ok(Some((second.name().to_owned(), cost.evaluate(&tunable).cost)))
 }
 
 /// Merges tables.
@@ -97,31 +93,32 @@ pub fn merge(args: &TuneArgs, take: &Take) -> Result<(), Failure> {
     sweep::check_replaceable(&path)?;
     let text = table.head.table(all.iter().map(|(i, s)| (*i, s)));
     write_file(&path, text.as_bytes(), Overwrite::Allow, &args.merge)?;
-    let (text, second) = match sweep::samples_of(&table.head.identity) {
+    let (text, whole) = match sweep::samples_of(&table.head.identity) {
         Some(n) if n > all.len() => {
-            let text =
-                format!("{}: {} of {n} samples; {} are missing\n", take.name, all.len(), n - all.len());
-            (text, None)
+            let missing = n - all.len();
+            (format!("{}: {} of {n} samples; {missing} are missing\n", take.name, all.len()), false)
         }
-        _ => {
-            let text = format!("{}: all {} samples\n", take.name, all.len());
-            (text, confirmed(args, take, &table.head, &all)?)
-        }
+        _ => (format!("{}: all {} samples\n", take.name, all.len()), true),
     };
-    finish(args, &dir, &table.head, &all, text, second)
+    finish(args, take, &dir, &table.head, &all, text, whole)
 }
 
-/// Figure and summary of what the table holds.
+/// Figure and summary of what the table holds; of a `whole` one the best sample is costed in a second engine.
 fn finish(
     args: &TuneArgs,
+    take: &Take,
     dir: &Path,
     head: &Head,
     all: &BTreeMap<usize, Sample>,
     mut text: String,
-    second: Option<(String, f64)>,
+    whole: bool,
 ) -> Result<(), Failure> {
     let names = head.parameters();
     let best = sweep_results::best(all);
+    let second = match best {
+        Some((_, sample)) if whole => confirmed(args, take, head, sample)?,
+        _ => None,
+    };
     let mut files = vec![dir.join(TABLE)];
     if !args.no_plots && !all.is_empty() {
         files.extend(sweep_results::draw(dir, head, all)?);

@@ -10,7 +10,7 @@ use std::ops::Range;
 
 use dynamics::Model;
 use motion::support::Vec2;
-use motion::{Clip, Contact, ContactPlan, Kinematics, Sole, Vec3};
+use motion::{Clip, Contact, ContactPlan, Kinematics, Sole, Vec3, runs};
 
 use crate::shift::{Ground, asked, com_and_spin};
 
@@ -95,20 +95,20 @@ pub(crate) fn borne(
             let middle = |f: usize| soles[sole].center(&Kinematics::new(&clip.skeleton, clip.pose(f)));
             (middle(run.end) - middle(run.start - 1)).norm() < STEP_M
         };
-        for run in runs(frames, |f| !stands[sole][f]) {
+        for run in runs(0..frames, |f| !stands[sole][f]) {
             if inside(&run) && short(&run, GAP_S) && low(&run) && stays(&run) {
                 stands[sole][run].fill(true);
             }
         }
     }
-    for run in runs(frames, |f| !stands.iter().any(|s| s[f])) {
+    for run in runs(0..frames, |f| !stands.iter().any(|s| s[f])) {
         if inside(&run) && short(&run, SHORT_S) {
             run.for_each(|f| lowest(f).into_iter().for_each(|s| stands[s][f] = true));
         }
     }
     // touches while another sole stands
     for sole in 0..soles.len() {
-        for run in runs(frames, |f| stands[sole][f]) {
+        for run in runs(0..frames, |f| stands[sole][f]) {
             let other = |f: usize| (0..soles.len()).any(|s| s != sole && stands[s][f]);
             if inside(&run) && short(&run, SHORT_S) && run.clone().all(other) {
                 stands[sole][run].fill(false);
@@ -118,7 +118,7 @@ pub(crate) fn borne(
     let mut contacts: Vec<Contact> =
         plan.contacts().iter().filter(|c| !soles.iter().any(|s| s.name == c.point)).cloned().collect();
     for (sole, stands) in soles.iter().zip(&stands) {
-        contacts.extend(runs(frames, |f| stands[f]).into_iter().map(|run| Contact {
+        contacts.extend(runs(0..frames, |f| stands[f]).into_iter().map(|run| Contact {
             point: sole.name.clone(),
             from_s: run.start as f64 / rate_hz,
             to_s: (run.end - 1) as f64 / rate_hz,
@@ -127,6 +127,18 @@ pub(crate) fn borne(
     }
     // runs of frames are apart
     ContactPlan::new(contacts).unwrap_or_else(|_| plan.clone())
+}
+
+/// Whether the pressure `p` lies outside the soles that stand, and `sole` would bring it nearer.
+fn wants<'a>(
+    p: &Vec2,
+    sole: &'a Sole,
+    standing: impl Iterator<Item = &'a Sole> + Clone,
+    k: &Kinematics,
+) -> bool {
+    let without = Sole::support(standing.clone(), k).margin(p);
+    let with = Sole::support(standing.chain([sole]), k).margin(p);
+    without < -PRESSED_OUT_M && with > without
 }
 
 /// Feet that rest higher than the ground was thought to be, and bear: floors of captures are not level to a centimetre. The
@@ -144,11 +156,9 @@ fn rested(stands: &mut [Vec<bool>], needs: &[(f64, Option<Vec2>)], clip: &Clip, 
         let bears = |f: usize| {
             let Some(p) = needs[f].1 else { return false };
             let standing = (0..soles.len()).filter(|s| *s != i && found[*s][f]).map(|s| &soles[s]);
-            let without = Sole::support(standing.clone(), &all[f]).margin(&p);
-            let with = Sole::support(standing.chain([sole]), &all[f]).margin(&p);
-            without < -PRESSED_OUT_M && with > without
+            wants(&p, sole, standing, &all[f])
         };
-        for run in runs(frames, slow) {
+        for run in runs(0..frames, slow) {
             let bearing = run.clone().filter(|f| bears(*f)).count() as f64;
             if run.len() as f64 >= RESTS_S * clip.rate_hz && bearing > RESTS * run.len() as f64 {
                 stands[i][run].fill(true);
@@ -172,12 +182,10 @@ fn pressed(
         let Some(p) = needs[f].1 else { return false };
         let k = Kinematics::new(&clip.skeleton, clip.pose(f));
         let standing = (0..soles.len()).filter(|s| found[*s][f]).map(|s| &soles[s]);
-        let without = Sole::support(standing.clone(), &k).margin(&p);
-        let with = Sole::support(standing.chain([&soles[sole]]), &k).margin(&p);
-        heights[f][sole] < PRESSED_LOW_M && without < -PRESSED_OUT_M && with > without
+        heights[f][sole] < PRESSED_LOW_M && wants(&p, &soles[sole], standing, &k)
     };
     for sole in 0..soles.len() {
-        for run in runs(frames, |f| found[sole][f]) {
+        for run in runs(0..frames, |f| found[sole][f]) {
             (0..run.start)
                 .rev()
                 .take(most)
@@ -186,16 +194,4 @@ fn pressed(
             (run.end..frames).take(most).take_while(|f| bears(*f, sole)).for_each(|f| stands[sole][f] = true);
         }
     }
-}
-
-/// Runs of frames of a kind, in order.
-pub(crate) fn runs(frames: usize, of: impl Fn(usize) -> bool) -> Vec<Range<usize>> {
-    let mut out: Vec<Range<usize>> = Vec::new();
-    for f in (0..frames).filter(|f| of(*f)) {
-        match out.last_mut().filter(|run| run.end == f) {
-            Some(run) => run.end = f + 1,
-            None => out.push(f..f + 1),
-        }
-    }
-    out
 }

@@ -8,15 +8,15 @@
 //! are solved by IK to feet that roll where they stand. Units: m, s; world frame, y up.
 
 use bodies::Character;
-use dynamics::analysis::{AnalysisOptions, strength};
+use dynamics::analysis::smoothed;
 use dynamics::{Model, State};
 use motion::ik::{IkError, Reach, solve_two_bone_oriented};
 use motion::plant::{Knee, Plant, shortfall};
 use motion::support::Vec2;
 use motion::tread::{Tread, treads};
-use motion::{Clip, ContactPlan, Kinematics, Limb, Sole, Transform, Vec3};
+use motion::{Clip, ContactPlan, Kinematics, Limb, Sole, Transform, Vec3, runs};
 
-use crate::bearing::{BEARS, HELD_S, borne, needs, runs};
+use crate::bearing::{BEARS, HELD_S, borne, needs};
 use crate::shift::{Ground, asked, com_and_spin, heights, path};
 use crate::unmet::{Unmet, WeightShift};
 
@@ -109,8 +109,7 @@ pub fn possible(
     let legs: Vec<(Limb, Sole)> =
         character.leg_soles().into_iter().map(|(limb, sole)| (limb.clone(), sole)).collect();
     let soles: Vec<Sole> = legs.iter().map(|(_, sole)| sole.clone()).collect();
-    let strength = strength(&model, &mut State::new(&model), clip, &AnalysisOptions::default());
-    let mut base = motion::smooth::smooth_at(clip, strength).clip;
+    let mut base = smoothed(&model, clip);
     // the floor of the capture, which need not be that of the performance
     let floor_m = motion::contacts(&base, &soles).1.unwrap_or(ground_m);
     let needs = needs(&model, &base, floor_m);
@@ -121,7 +120,7 @@ pub fn possible(
     let legs: Vec<Leg> =
         legs.into_iter().zip(ways).map(|((limb, _), tread)| Leg::new(limb, tread, &plan, &base)).collect();
     let mut ground = Ground::of(&plan, &soles, &base, ground_m, friction);
-    for run in runs(base.frames(), |f| ground.hull[f].is_empty() && needs[f].0 > BEARS) {
+    for run in runs(0..base.frames(), |f| ground.hull[f].is_empty() && needs[f].0 > BEARS) {
         // shorter ones are what smoothing leaves of a take-off
         if run.len() as f64 >= HELD_S * base.rate_hz {
             ground.held[run].fill(true);

@@ -111,6 +111,12 @@ impl Check {
         self.with_core_errors(CoreSeen { value, to_rapier, to_mujoco })
     }
 
+    /// Adds the core's number, which like the others is held against what is expected of all, not against theirs; `off` is how far it is
+    /// from that.
+    pub fn with_core_off(self, value: f64, off: f64) -> Self {
+        self.with_core_errors(CoreSeen { value, to_rapier: off, to_mujoco: off })
+    }
+
     /// Adds the core's number with its errors.
     pub fn with_core_errors(mut self, core: CoreSeen) -> Self {
         self.core = Some(core);

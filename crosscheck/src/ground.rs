@@ -76,7 +76,7 @@ pub fn standing_weight(bridge: &Shared, take: &Take) -> Result<Check, PassError>
     let error = (a - weight).abs().max((b - weight).abs());
     let off = (c - weight).abs() / weight;
     let check = Check::of("standing weight", "N", (a, b), error, error / weight, 1e-3, Measure::Relative)
-        .with_core_errors(CoreSeen { value: c, to_rapier: off, to_mujoco: off });
+        .with_core_off(c, off);
     Ok(check.at(format!("mean of the last {STILL} s of {STAND}; m g = {weight:.2} N")))
 }
 
@@ -258,10 +258,8 @@ pub fn scene(bridge: &Shared, take: &Take, progress: &mut dyn FnMut(f64)) -> Res
             0.25,
         );
         if to_mujoco.rms > VISIBLE {
-            // each engine is compared with what is predicted, not with the other
             let value = ratio(half_core.rms, to_mujoco.rms);
-            let off = (value - 0.5).abs();
-            order = order.with_core_errors(CoreSeen { value, to_rapier: off, to_mujoco: off });
+            order = order.with_core_off(value, (value - 0.5).abs());
         }
         checks.push(order.at("MuJoCo's column: what first order predicts"));
     }

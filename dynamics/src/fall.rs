@@ -146,9 +146,7 @@ impl fmt::Display for Fall {
 /// Whether the body has fallen in a row of a trace. See the module header.
 pub fn fallen(trace: &Trace, model: &Model, row: usize) -> bool {
     let Some(ground) = trace.ground_m else { return false };
-    let first = trace.contacts.partition_point(|c| c.row < row);
-    let here = trace.contacts[first..].iter().take_while(|c| c.row == row);
-    let here: Vec<&ContactSample> = here.filter(|c| c.against.is_world()).collect();
+    let here: Vec<&ContactSample> = trace.contacts_in(row).iter().filter(|c| c.against.is_world()).collect();
     if here.iter().all(|c| c.force.norm() == 0.0) {
         return false; // in the air
     }

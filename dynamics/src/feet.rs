@@ -15,11 +15,10 @@ pub fn performed(trace: &Trace) -> FeetMetrics {
     let model = Model::new(c, trace.gravity);
     let body = |link: usize| model.body_of[link].0;
     let mut loaded = vec![false; model.bodies.len()];
-    let mut contacts = trace.contacts.iter().peekable();
     measure(trace, |row, k, meter, sites| {
         k.update(&c.skeleton, trace.pose(row));
         loaded.fill(false);
-        while let Some(contact) = contacts.next_if(|c| c.row <= row) {
+        for contact in trace.contacts_in(row) {
             loaded[body(contact.link)] |= contact.against.is_world() && contact.force.norm_squared() > 0.0;
         }
         meter

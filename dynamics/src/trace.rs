@@ -190,6 +190,13 @@ impl Trace {
         motion::skeleton::vec_at(&self.com, 3 * row)
     }
 
+    /// The contacts of a row.
+    pub fn contacts_in(&self, row: usize) -> &[ContactSample] {
+        let from = self.contacts.partition_point(|c| c.row < row);
+        let here = &self.contacts[from..];
+        &here[..here.partition_point(|c| c.row == row)]
+    }
+
     /// Sum of the contact forces of each row, N.
     pub fn contact_sums(&self) -> Vec<Vec3> {
         let mut sums = vec![Vec3::zeros(); self.rows()];
@@ -251,9 +258,8 @@ impl Trace {
 
     /// Centre of pressure of a row on the ground and the props, m; `None` without load.
     pub fn cop(&self, row: usize) -> Option<Vec3> {
-        let first = self.contacts.partition_point(|c| c.row < row);
         let (mut sum, mut at) = (0.0, Vec3::zeros());
-        for c in self.contacts[first..].iter().take_while(|c| c.row == row).filter(|c| c.against.is_world()) {
+        for c in self.contacts_in(row).iter().filter(|c| c.against.is_world()) {
             sum += c.force.y;
             at += c.point * c.force.y;
         }

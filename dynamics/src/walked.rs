@@ -91,13 +91,8 @@ impl Walked {
         let feet: Vec<usize> = trace.character.legs().map(|l| model.body_of[l.end].0).collect();
         let mut lost = None;
         let mut kept = 0;
-        let mut next = 0;
         for row in 0..trace.rows() {
-            let first = next;
-            while trace.contacts.get(next).is_some_and(|c| c.row <= row) {
-                next += 1;
-            }
-            let loss = loss(trace, &model, &feet, weight, row, &trace.contacts[first..next]);
+            let loss = loss(trace, &model, &feet, weight, row);
             if let Some(loss) = loss {
                 lost = Some((row as f64 / trace.rate_hz, loss));
                 break;
@@ -145,20 +140,14 @@ impl Walked {
     }
 }
 
-fn loss(
-    trace: &Trace,
-    model: &Model,
-    feet: &[usize],
-    weight: f64,
-    row: usize,
-    contacts: &[ContactSample],
-) -> Option<Loss> {
+fn loss(trace: &Trace, model: &Model, feet: &[usize], weight: f64, row: usize) -> Option<Loss> {
     let held = vec_at(&trace.root_wrench, 6 * row).norm() + vec_at(&trace.root_wrench, 6 * row + 3).norm();
     if held > 0.0 {
         return Some(Loss::Held(held));
     }
     // what links do to each other holds nobody up
-    let outside = || contacts.iter().filter(|c| c.against.is_world());
+    let here = trace.contacts_in(row);
+    let outside = || here.iter().filter(|c| c.against.is_world());
     for c in outside() {
         let body = model.body_of[c.link].0;
         let total: f64 = outside().filter(|o| model.body_of[o.link].0 == body).map(|o| o.force.norm()).sum();
@@ -215,17 +204,14 @@ fn slips(trace: &Trace, model: &Model, feet: &[usize], weight: f64, kept: usize)
     let mut now: Vec<Option<(usize, f64)>> = vec![None; feet.len()];
     let mut all: Vec<(usize, f64)> = Vec::new();
     let least = (LEAST_S * trace.rate_hz).round() as usize;
-    let (nv, mut next) = (model.nv(), 0);
+    let nv = model.nv();
     for row in 0..=kept.min(trace.rows().saturating_sub(1)) {
-        let first = next;
-        while trace.contacts.get(next).is_some_and(|c| c.row <= row) {
-            next += 1;
-        }
+        let contacts = trace.contacts_in(row);
         state.update(model, trace.pose(row), &trace.v[row * nv..(row + 1) * nv]);
         for (foot, now) in feet.iter().zip(&mut now) {
             let (mut load, mut way) = (0.0, Vec3::zeros());
             let of_foot = |c: &&ContactSample| c.against.is_world() && model.body_of[c.link].0 == *foot;
-            for c in trace.contacts[first..next].iter().filter(of_foot) {
+            for c in contacts.iter().filter(of_foot) {
                 let b = &state.bodies[*foot];
                 let velocity = b.velocity + b.omega.cross(&(c.point - b.origin()));
                 load += c.force.y.max(0.0);

@@ -4,6 +4,7 @@
 //!
 //! | module | holds |
 //! |---|---|
+//! | [`mod@runs`] | runs of frames of a kind |
 //! | [`rotation`] | quaternion logarithm and exponential, swing and twist, Euler orders |
 //! | [`skeleton`] | links, joints, limits, sites, limbs |
 //! | [`clip`] | uniformly sampled poses |
@@ -23,6 +24,7 @@
 //! | [`mod@file`] | reading a file within a limit |
 //! | [`mod@fit`] | a clip as transition elements; its few key poses |
 //! | [`fk`] | forward kinematics |
+//! | [`mod@fnv`] | one number for many bytes |
 //! | [`mod@glitch`] | joints that jump as no muscle could make them |
 //! | [`ik`] | two-bone limbs to a target, whole bodies to many, posing by dragging; axes of joints |
 //! | [`limits`] | the way of a joint back into its range |
@@ -47,6 +49,7 @@ pub mod file;
 pub mod fit;
 pub mod fk;
 pub mod floor;
+pub mod fnv;
 pub mod glitch;
 pub mod ik;
 pub mod limits;
@@ -55,6 +58,7 @@ pub mod metrics;
 pub mod names;
 pub mod plant;
 pub mod rotation;
+pub mod runs;
 pub mod script;
 pub mod shape;
 pub mod skeleton;
@@ -77,8 +81,10 @@ pub use dof::{Dof, Value};
 pub use fit::{Fit, FitReport, Tolerance};
 pub use fk::Kinematics;
 pub use floor::{Floor, Tilt};
+pub use fnv::Fnv;
 pub use plant::{Knee, Plant};
 pub use rotation::{EulerOrder, Quat, Vec3};
+pub use runs::runs;
 pub use script::{Script, ScriptError};
 pub use shape::Shape;
 pub use skeleton::{BallLimits, Joint, Limb, LimbKind, Limits, Link, Range, Site, Skeleton, SkeletonError};

@@ -32,12 +32,8 @@ pub fn rests(spans: &[PhaseFrames], frame: usize) -> bool {
 
 /// Runs of frames that are `of` a kind, in order.
 pub fn runs(frames: std::ops::Range<usize>, of: impl Fn(usize) -> bool) -> Vec<PhaseFrames> {
-    let mut out: Vec<PhaseFrames> = Vec::new();
-    for i in frames.filter(|&i| of(i)) {
-        match out.last_mut().filter(|p| p.last + 1 == i) {
-            Some(p) => p.last = i,
-            None => out.push(PhaseFrames { first: i, last: i }),
-        }
-    }
-    out
+    motion::runs(frames, of)
+        .into_iter()
+        .map(|run| PhaseFrames { first: run.start, last: run.end - 1 })
+        .collect()
 }

@@ -7,8 +7,8 @@
 //! ```
 
 use controllers::Goal;
-use dynamics::analysis::{AnalysisOptions, strength};
-use dynamics::{Model, State, Trace, Walked};
+use dynamics::analysis::smoothed;
+use dynamics::{Model, Trace, Walked};
 use motion::Kinematics;
 use sim::Engines;
 use sim::foresight::{Foreseen, Settings};
@@ -40,10 +40,7 @@ fn cpu_s() -> f64 {
 /// RMS joint acceleration of the smoothed motion asked for, rad/s².
 fn asked_acceleration(take: &Take) -> f64 {
     let model = Model::new(take.character(), take.conditions.physics.gravity);
-    let clip = &take.asked.clip;
-    let strength = strength(&model, &mut State::new(&model), clip, &AnalysisOptions::default());
-    let smooth = motion::smooth::smooth_at(clip, strength).clip;
-    let goal = Goal::new(&smooth, take.control_rate_hz());
+    let goal = Goal::new(&smoothed(&model, &take.asked.clip), take.control_rate_hz());
     let nv = model.nv();
     let all = (0..goal.rows()).flat_map(|row| goal.acceleration(row)[6..].to_vec());
     let sum: f64 = all.map(|x| x * x).sum();

@@ -107,7 +107,7 @@ impl Take {
     /// [`PerformError`]: no such engine, legs that cannot be solved, passes that cannot start. A divergence is an outcome,
     /// not an error: its trace is kept.
     pub fn perform(self, engines: &Engines, progress: &Progress<'_>) -> Result<Performed, PerformError> {
-        let take = if self.steps_free() {
+        let take = if self.steps_blind() {
             progress.part("making it possible");
             self.made_possible()?.0
         } else {

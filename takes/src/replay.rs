@@ -3,6 +3,7 @@
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
+use dynamics::Model;
 use formats::TraceFileError;
 use formats::foresight_npz::{self, Offsets};
 use sim::Outcome;
@@ -32,12 +33,11 @@ pub fn replay(path: &Path) -> Result<Foreseen, ReplayFileError> {
 /// The offsets of a run as they are written.
 pub(crate) fn offsets(outcome: &Outcome, used: &Used) -> Offsets {
     let links = outcome.trace.character.skeleton.links();
-    let bodies: Vec<usize> =
-        links.iter().enumerate().filter(|(i, l)| *i == 0 || l.joint.nv() > 0).map(|(i, _)| i).collect();
+    let bodies = Model::new(&outcome.trace.character, outcome.trace.gravity).bodies;
     Offsets {
         input: used.input,
         rate_hz: outcome.trace.rate_hz,
-        joints: used.channels.iter().map(|c| links[bodies[c.body]].name.clone()).collect(),
+        joints: used.channels.iter().map(|c| links[bodies[c.body].link].name.clone()).collect(),
         axes: used.channels.iter().map(|c| c.axis).collect(),
         offsets: used.offsets.clone(),
     }

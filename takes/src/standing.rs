@@ -15,9 +15,9 @@ use std::ops::Range;
 use bodies::Character;
 use controllers::admissible::admit;
 use controllers::support::Foot;
-use dynamics::analysis::{AnalysisOptions, strength};
+use dynamics::Model;
+use dynamics::analysis::smoothed;
 use dynamics::conditions::RootMode;
-use dynamics::{Model, State};
 use motion::floor::FRICTION;
 use motion::ik::IkError;
 use motion::plant::{Knee, Plant, plant};
@@ -166,8 +166,7 @@ impl Take {
         }
         let physics = cut.conditions.physics;
         let model = Model::new(character, physics.gravity);
-        let strength = strength(&model, &mut State::new(&model), &clip, &AnalysisOptions::default());
-        let mut clip = motion::smooth::smooth_at(&clip, strength).clip;
+        let mut clip = smoothed(&model, &clip);
         carry(character, &model, &mut clip, &plants, ground_m)?;
         let stands = StanceSpan { frames: 0..clip.frames(), stands: true, stepping: Vec::new() };
         let friction = physics.ground.map_or(FRICTION, |g| g.friction);

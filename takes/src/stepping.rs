@@ -4,11 +4,10 @@
 //! for scripts, clips and retargeted characters.
 
 use controllers::stepping::{Measures, Possible, possible};
-use dynamics::analysis::{AnalysisOptions, strength};
+use dynamics::Model;
+use dynamics::analysis::smoothed;
 use dynamics::conditions::RootMode;
-use dynamics::{Model, State};
 use motion::ik::IkError;
-use motion::smooth::smooth_at;
 use motion::{Floor, Vec3};
 
 use crate::limited::within_limits;
@@ -45,7 +44,7 @@ impl Take {
 
     /// Whether it is performed by looking ahead: a clip or a retargeted motion over ground, its root free, that no planted feet carry
     /// from beginning to end, and that is asked to.
-    pub fn steps_freely(&self) -> bool {
+    pub fn looks_ahead(&self) -> bool {
         let c = &self.conditions;
         let sampled = matches!(self.source, Source::Clip(_) | Source::Retarget(_));
         let free = c.physics.root == RootMode::Free && c.physics.ground.is_some();
@@ -58,21 +57,19 @@ impl Take {
     /// # Errors
     /// Legs that two-bone IK cannot solve.
     pub(crate) fn ready_to_step(mut self) -> Result<Self, IkError> {
-        if !self.steps_freely() {
+        if !self.looks_ahead() {
             return Ok(self);
         }
         if let (take, Some(_)) = self.made_possible()? {
             return Ok(take);
         }
         let model = Model::new(&self.body.character, self.conditions.physics.gravity);
-        let clip = &self.asked.clip;
-        let strength = strength(&model, &mut State::new(&model), clip, &AnalysisOptions::default());
-        (self.asked.clip, _, _) = within_limits(smooth_at(clip, strength).clip);
+        (self.asked.clip, _, _) = within_limits(smoothed(&model, &self.asked.clip));
         Ok(self)
     }
 
     /// Whether it is a captured motion on its own feet that is performed whole, and steps, without looking ahead.
-    pub fn steps_free(&self) -> bool {
+    pub fn steps_blind(&self) -> bool {
         self.conditions.physics.root == RootMode::Free
             && self.conditions.foresight.is_none()
             && self.clip_source().is_some()

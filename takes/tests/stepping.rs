@@ -107,7 +107,7 @@ fn slow_standing_is_left_alone() {
         assert_eq!(same.asked.clip, standing.asked.clip);
         assert_eq!(same.conditions.physics, standing.conditions.physics);
         assert!(said.unwrap().shifts.is_empty() && same.asked.stepping.is_empty());
-        assert!(!standing.steps_free());
+        assert!(!standing.steps_blind());
         assert_eq!(standing.asked.contacts.contacts().len(), 2);
     } else {
         panic!("14_37 stands");

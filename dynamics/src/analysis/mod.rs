@@ -253,6 +253,11 @@ fn com_path(model: &Model, state: &mut State, clip: &Clip) -> Vec<f64> {
     com
 }
 
+/// The clip as inverse dynamics smooths it, by the noise on the path of its centre of mass and the usual options.
+pub fn smoothed(model: &Model, clip: &Clip) -> Clip {
+    smooth_at(clip, strength(model, &mut State::new(model), clip, &AnalysisOptions::default())).clip
+}
+
 /// Strength of smoothing for the forces of a clip, by the noise on the path of its centre of mass. See
 /// [`AnalysisOptions::smoothing`]; of fewer than 16 frames no noise is read, and [`SHORT_CUTOFF_HZ`] is taken.
 pub fn strength(model: &Model, state: &mut State, clip: &Clip, options: &AnalysisOptions) -> Strength {

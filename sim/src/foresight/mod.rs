@@ -94,7 +94,6 @@ impl Used {
 
 /// Offsets that go along with a pass. See the module header.
 pub(crate) struct Foresight {
-    channels: Vec<Channel>,
     way: Way,
     now: Vec<f64>,
     used: Used,
@@ -139,14 +138,7 @@ impl Foresight {
         };
         Ok(Self {
             now: vec![0.0; channels.len()],
-            used: Used {
-                settings,
-                input,
-                channels: channels.clone(),
-                offsets: Vec::new(),
-                costs: Vec::new(),
-            },
-            channels,
+            used: Used { settings, input, channels, offsets: Vec::new(), costs: Vec::new() },
             way,
         })
     }
@@ -162,7 +154,7 @@ impl Foresight {
             Way::Search(search) => search.offsets(row, engine, &mut self.now, &mut self.used)?,
             Way::Replay(replay) => replay.offsets(row, &mut self.now),
         }
-        channels::shift(&self.channels, &self.now, controller.drives_mut());
+        channels::shift(&self.used.channels, &self.now, controller.drives_mut());
         self.used.offsets.extend_from_slice(&self.now);
         Ok(())
     }

@@ -7,6 +7,7 @@ use thiserror::Error;
 
 use super::Subject;
 use dynamics::Model;
+use motion::Fnv;
 
 /// Offsets of a run. See the module header.
 #[derive(Clone, Debug, PartialEq)]
@@ -69,7 +70,7 @@ impl Replay {
 
 /// The number of what a run is made of: FNV-1a over the bits of everything that enters it.
 pub(super) fn input(of: &Subject<'_>, model: &Model) -> u64 {
-    let mut hash = Fnv(0xCBF2_9CE4_8422_2325);
+    let mut hash = Input::default();
     let goal = &of.plan.goal;
     hash.text(of.name);
     for numbers in [&goal.q, &goal.v, &goal.vd] {
@@ -94,25 +95,20 @@ pub(super) fn input(of: &Subject<'_>, model: &Model) -> u64 {
     for body in &of.body.bodies {
         body.shapes.iter().for_each(|shape| hash.text(&format!("{shape:?}")));
     }
-    hash.0
+    hash.0.value()
 }
 
-struct Fnv(u64);
+#[derive(Default)]
+struct Input(Fnv);
 
-impl Fnv {
-    fn bytes(&mut self, bytes: &[u8]) {
-        for b in bytes {
-            self.0 = (self.0 ^ u64::from(*b)).wrapping_mul(0x0100_0000_01B3);
-        }
-    }
-
+impl Input {
     fn numbers(&mut self, numbers: &[f64]) {
-        self.bytes(&(numbers.len() as u64).to_le_bytes());
-        numbers.iter().for_each(|x| self.bytes(&x.to_bits().to_le_bytes()));
+        self.0.bytes(&(numbers.len() as u64).to_le_bytes());
+        numbers.iter().for_each(|x| self.0.bytes(&x.to_bits().to_le_bytes()));
     }
 
     fn text(&mut self, text: &str) {
-        self.bytes(&(text.len() as u64).to_le_bytes());
-        self.bytes(text.as_bytes());
+        self.0.bytes(&(text.len() as u64).to_le_bytes());
+        self.0.bytes(text.as_bytes());
     }
 }

@@ -4,8 +4,8 @@ use std::path::{Path, PathBuf};
 
 use retarget::Retargeted;
 use scenes::contact_file;
-use takes::results::folder::{Earlier, Folder, Plan};
-use takes::results::write::{CONTACTS, Undrawn, was_read, write_bvh, write_figure, write_glb, write_report};
+use takes::results::folder::{Earlier, Folder, Plan, was_read};
+use takes::results::write::{CONTACTS, Undrawn, write_bvh, write_figure, write_glb, write_report};
 use takes::retargeting::Session;
 use takes::{Progress, WriteError};
 

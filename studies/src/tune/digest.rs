@@ -23,8 +23,8 @@ use dynamics::conditions::Carrying;
 use dynamics::{Push, RootMode};
 use motion::names::Word;
 use motion::{
-    BallLimits, Clip, Curve, Dof, Element, Floor, Joint, Knee, Limb, Limits, Plant, Quat, Range, Shape, Tilt,
-    Tracks, Value, Vec3,
+    BallLimits, Clip, Curve, Dof, Element, Floor, Fnv, Joint, Knee, Limb, Limits, Plant, Quat, Range, Shape,
+    Tilt, Tracks, Value, Vec3,
 };
 use motion::{Link, Transform};
 use scenes::conditions::Physics;
@@ -34,21 +34,13 @@ use takes::{Conditions, Take};
 use super::{FixedPush, TuneSpec};
 
 /// A running digest.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Digest(u64);
-
-impl Default for Digest {
-    fn default() -> Self {
-        Self(0xcbf2_9ce4_8422_2325)
-    }
-}
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Digest(Fnv);
 
 impl Digest {
     /// Adds bytes.
     pub fn bytes(&mut self, bytes: &[u8]) {
-        for &b in bytes {
-            self.0 = (self.0 ^ u64::from(b)).wrapping_mul(0x0100_0000_01b3);
-        }
+        self.0.bytes(bytes);
     }
 
     /// Adds a number.
@@ -92,7 +84,7 @@ impl Digest {
 
     /// 16 hexadecimal digits.
     pub fn hex(self) -> String {
-        format!("{:016x}", self.0)
+        format!("{:016x}", self.0.value())
     }
 }
 

@@ -17,6 +17,7 @@ use crate::results::feet::{FeetReport, feet};
 use crate::results::foresight_report::ForesightReport;
 use crate::results::gaze_report::GazeReport;
 use crate::results::root_report::RootWrench;
+use crate::results::touch_report::{TouchReport, touched};
 use crate::results::verdict_report::VerdictReport;
 
 /// The motion performed.
@@ -205,19 +206,6 @@ pub struct ContactForceReport {
     /// What else than the ground was touched: props, and links by links; left out where nothing was.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub touched: Vec<TouchReport>,
-}
-
-/// What a prop, or a link to another one, did to the body.
-#[derive(Clone, Debug, Serialize)]
-pub struct TouchReport {
-    /// The link.
-    pub link: String,
-    /// The prop or the other link; each two links are named once.
-    pub against: String,
-    /// When it first touched, s.
-    pub from_s: f64,
-    /// Largest force, N.
-    pub peak_n: f64,
 }
 
 /// A joint too slack for what it had to hold.
@@ -432,45 +420,6 @@ fn contact(t: &Trace) -> ContactForceReport {
         friction_used_max: used,
         touched: touched(t),
     }
-}
-
-/// What else than the ground was touched, in order of time.
-fn touched(t: &Trace) -> Vec<TouchReport> {
-    let links = t.character.skeleton.links();
-    let mut out: Vec<(usize, Against, TouchReport)> = Vec::new();
-    for row in t.contacts.chunk_by(|a, b| a.row == b.row) {
-        let mut sums: Vec<(usize, Against, Vec3)> = Vec::new();
-        for c in row {
-            let once = match c.against {
-                Against::Ground => false,
-                Against::Prop(_) => true,
-                Against::Link(other) => c.link < other,
-            };
-            if !once {
-                continue;
-            }
-            match sums.iter_mut().find(|s| (s.0, s.1) == (c.link, c.against)) {
-                Some(s) => s.2 += c.force,
-                None => sums.push((c.link, c.against, c.force)),
-            }
-        }
-        for (link, against, force) in sums {
-            let known = out.iter_mut().find(|o| (o.0, o.1) == (link, against));
-            let Some((_, _, report)) = known else {
-                let name = row.iter().find(|c| c.against == against).map_or("", |c| t.against(c));
-                let report = TouchReport {
-                    link: links[link].name.clone(),
-                    against: name.into(),
-                    from_s: row[0].row as f64 / t.rate_hz,
-                    peak_n: force.norm(),
-                };
-                out.push((link, against, report));
-                continue;
-            };
-            report.peak_n = report.peak_n.max(force.norm());
-        }
-    }
-    out.into_iter().map(|o| o.2).collect()
 }
 
 #[cfg(test)]

@@ -7,6 +7,8 @@
 //! | [`mod@write`] | a performed take as a folder |
 //! | [`disturbance_report`] | disturbances and falls, as reports give them |
 //! | [`gaze_report`] | how far gazes missed |
+//! | [`foresight_report`] | what foresight did, and how the body walked |
+//! | [`touch_report`] | what else than the ground was touched |
 //! | [`analysis_report`], [`analysis_figures`], [`analysis_write`] | the numbers of an analysis, its figures, its folder |
 //! | [`feet`] | how feet moved over the ground |
 //! | [`figures`] | which figures a run has |
@@ -25,6 +27,7 @@ pub mod gaze_report;
 pub mod report;
 mod root_report;
 pub mod subject_report;
+pub mod touch_report;
 pub mod verdict_report;
 pub mod write;
 

@@ -16,7 +16,7 @@ use scenes::contact_file;
 use sim::Outcome;
 
 use super::figures::{self, Draw};
-use super::folder::{Earlier, Folder, FolderError, Plan, Subfolder};
+use super::folder::{Earlier, Folder, FolderError, Plan, Subfolder, was_read};
 use super::report::{Report, span_folder};
 use crate::replay::offsets;
 use crate::{Body, Performed, Progress, Runs, Take};
@@ -257,14 +257,8 @@ impl Take {
     /// # Errors
     /// A folder that cannot be written to; a file in it that is not ours, or was read.
     pub fn check(&self, dir: &Path, what: &What, preview: bool) -> Result<(), WriteError> {
-        Ok(Folder::check(dir, &plan(dir, preview, self.steps_freely(), &reads(self, what)))?)
+        Ok(Folder::check(dir, &plan(dir, preview, self.looks_ahead(), &reads(self, what)))?)
     }
-}
-
-/// Whether a file is one of those that were read.
-pub fn was_read(file: &Path, reads: &[PathBuf]) -> bool {
-    let own = file.canonicalize();
-    own.is_ok_and(|own| reads.iter().any(|read| read.canonicalize().is_ok_and(|read| read == own)))
 }
 
 /// Writes what stands when, to be edited and given back; of a body without contacts nothing.
@@ -298,19 +292,16 @@ impl Performed {
         progress.part("writing");
         let preview = matches!(self.runs, Runs::Preview);
         let read = reads(&self.take, what);
-        let mut folder = Folder::begin(dir, &plan(dir, preview, self.take.steps_freely(), &read))?;
+        let mut folder = Folder::begin(dir, &plan(dir, preview, self.take.looks_ahead(), &read))?;
         let keeps = was_read(&dir.join(CONTACTS), &read);
         let take = &self.take;
         let mut report = Report::new(self);
+        if !keeps {
+            write_contacts(&mut folder.top(), take)?;
+        }
         if self.spans().is_empty() {
-            if !keeps {
-                write_contacts(&mut folder.top(), take)?;
-            }
             fill(&mut folder.top(), take, self.outcome())?;
         } else {
-            if !keeps {
-                write_contacts(&mut folder.top(), take)?;
-            }
             write_bvh(
                 &mut folder.top(),
                 "kinematic",

@@ -51,17 +51,27 @@ impl ReadFiles {
         Self(paths.iter().map(|path| ReadFile::of(path)).collect())
     }
 
-    /// Refuses a path that leads to one of them; `shown` is its name in the error.
-    pub(super) fn refuse(&self, path: &Path, shown: &Path) -> Result<(), FolderError> {
+    /// The one of them that a path leads to.
+    fn find(&self, path: &Path) -> Option<&ReadFile> {
         if self.0.is_empty() || fs::symlink_metadata(path).is_err() {
-            return Ok(());
+            return None;
         }
         let file = ReadFile::of(path);
-        match self.0.iter().find(|read| read.is(&file)) {
+        self.0.iter().find(|read| read.is(&file))
+    }
+
+    /// Refuses a path that leads to one of them; `shown` is its name in the error.
+    pub(super) fn refuse(&self, path: &Path, shown: &Path) -> Result<(), FolderError> {
+        match self.find(path) {
             Some(read) => Err(FolderError::Input { path: shown.into(), input: read.named.clone() }),
             None => Ok(()),
         }
     }
+}
+
+/// Whether a path leads to one of the files that were read, under any name.
+pub fn was_read(path: &Path, reads: &[PathBuf]) -> bool {
+    ReadFiles::new(reads).find(path).is_some()
 }
 
 /// What is at a path: nothing, a regular file, or what cannot be replaced.

@@ -11,6 +11,7 @@ use std::fs::{self, File};
 use std::io::{self, Read};
 use std::path::{Path, PathBuf};
 
+use motion::Fnv;
 use serde::{Deserialize, Serialize};
 
 use super::error::FolderError;
@@ -38,7 +39,9 @@ impl Stamp {
     /// Of bytes in memory.
     #[must_use]
     pub fn of(bytes: &[u8]) -> Self {
-        Self { bytes: bytes.len() as u64, fnv1a64: fnv1a64(FNV_OFFSET, bytes) }
+        let mut hash = Fnv::default();
+        hash.bytes(bytes);
+        Self { bytes: bytes.len() as u64, fnv1a64: hash.value() }
     }
 
     /// Of an open file, from where it stands to its end.
@@ -47,13 +50,13 @@ impl Stamp {
     /// Of reading.
     pub fn of_file(file: &mut File) -> io::Result<Self> {
         let mut buffer = vec![0; 1 << 18];
-        let mut stamp = Self::of(&[]);
+        let (mut hash, mut bytes) = (Fnv::default(), 0);
         loop {
             match file.read(&mut buffer) {
-                Ok(0) => return Ok(stamp),
+                Ok(0) => return Ok(Self { bytes, fnv1a64: hash.value() }),
                 Ok(n) => {
-                    stamp.fnv1a64 = fnv1a64(stamp.fnv1a64, &buffer[..n]);
-                    stamp.bytes += n as u64;
+                    hash.bytes(&buffer[..n]);
+                    bytes += n as u64;
                 }
                 Err(e) if e.kind() == io::ErrorKind::Interrupted => {}
                 Err(e) => return Err(e),
@@ -69,13 +72,6 @@ impl Stamp {
         let mut file = File::open(path)?;
         Ok(file.metadata()?.len() == self.bytes && Self::of_file(&mut file)? == *self)
     }
-}
-
-const FNV_OFFSET: u64 = 0xcbf2_9ce4_8422_2325;
-const FNV_PRIME: u64 = 0x0000_0100_0000_01b3;
-
-fn fnv1a64(state: u64, bytes: &[u8]) -> u64 {
-    bytes.iter().fold(state, |hash, byte| (hash ^ u64::from(*byte)).wrapping_mul(FNV_PRIME))
 }
 
 mod hexadecimal {

@@ -47,7 +47,7 @@ mod staging;
 mod tests;
 
 pub use error::{FolderError, Foreign};
-pub use file::{Overwrite, check_file, write_file};
+pub use file::{Overwrite, check_file, was_read, write_file};
 pub use scratch::Scratch;
 
 /// What becomes of files of earlier runs that a run does not write.
