@@ -1,7 +1,7 @@
 //! A step of the standing human in the core, in MuJoCo and in rapier, in one interleaved run.
 //!
-//! In: the same body, the same springs and dampers, the same ground, self-collision off in all, MuJoCo's own threads off (it has none
-//! unless asked). Out: least times per step of many short blocks of all three, taken in turn; of MuJoCo those that `mj_step(m, d, 24)`
+//! In: the same body, the same springs and dampers, the same ground, self-collision off in all, then on in all, MuJoCo's own threads off (it
+//! has none unless asked). Out: least times per step of many short blocks of all three, taken in turn; of MuJoCo those that `mj_step(m, d, 24)`
 //! takes inside its process, so that neither Python nor the pipe counts. The core and rapier are given their drives every step, as in a
 //! pass; MuJoCo's springs are part of its model.
 //!
@@ -11,6 +11,7 @@
 
 use std::hint::black_box;
 use std::io::{BufRead, BufReader, Write};
+use std::path::Path;
 use std::process::{Command, Stdio};
 use std::time::Instant;
 
@@ -54,7 +55,7 @@ for _ in sys.stdin:
           cones[int(m.opt.cone)], m.opt.tolerance, m.opt.iterations, flush=True)
 "#;
 
-fn settings(substeps: usize) -> EngineSettings {
+fn settings(substeps: usize, self_collision: bool) -> EngineSettings {
     EngineSettings {
         rate_hz: RATE_HZ,
         substeps,
@@ -63,7 +64,7 @@ fn settings(substeps: usize) -> EngineSettings {
         pinned: false,
         contact: Default::default(),
         props: Default::default(),
-        self_collision: false,
+        self_collision,
     }
 }
 
@@ -77,8 +78,15 @@ fn drives(engine: &dyn Engine, c: &Character) -> Vec<Drive> {
 }
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
+    let python = crosscheck::environment::prepare(&mut |note| eprintln!("{note}"))?;
+    compare(&python, false)?;
+    compare(&python, true)
+}
+
+fn compare(python: &Path, self_collision: bool) -> Result<(), Box<dyn std::error::Error>> {
     let c = human().0;
     let options = MjcfOptions {
+        self_collision,
         gravity: GRAVITY,
         ground: Some(GROUND),
         pose: Some(c.rest.clone()),
@@ -87,7 +95,6 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let folder = tempfile::tempdir()?;
     let model = folder.path().join("human.xml");
     std::fs::write(&model, mjcf::write(&c, &options)?.text)?;
-    let python = crosscheck::environment::prepare(&mut |note| eprintln!("{note}"))?;
     let mut mujoco = Command::new(python)
         .args(["-c", SIDE, &model.to_string_lossy()])
         .args([RATE_HZ, STIFFNESS, DAMPING, BLOCK as f64].map(|x| x.to_string()))
@@ -100,9 +107,12 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let still = vec![0.0; c.skeleton.nv()];
     let mut ours: Vec<(&str, Box<dyn Engine>, Vec<Drive>)> = Vec::new();
     for (name, engine) in [
-        ("core, 1 substep", Box::new(Core::new(&c, settings(1), &c.rest, &still)?) as Box<dyn Engine>),
-        ("core, 2 substeps", Box::new(Core::new(&c, settings(2), &c.rest, &still)?)),
-        ("rapier, 1 substep", Box::new(Rapier::new(&c, settings(1), &c.rest, &still)?)),
+        (
+            "core, 1 substep",
+            Box::new(Core::new(&c, settings(1, self_collision), &c.rest, &still)?) as Box<dyn Engine>,
+        ),
+        ("core, 2 substeps", Box::new(Core::new(&c, settings(2, self_collision), &c.rest, &still)?)),
+        ("rapier, 1 substep", Box::new(Rapier::new(&c, settings(1, self_collision), &c.rest, &still)?)),
     ] {
         let drives = drives(engine.as_ref(), &c);
         ours.push((name, engine, drives));
@@ -134,8 +144,9 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     mujoco.wait()?;
     let words: Vec<&str> = said.split_whitespace().collect();
     println!(
-        "standing human, {} degrees of freedom, {RATE_HZ} Hz, {BLOCKS} blocks of {BLOCK} steps taken in turn; least times",
-        c.skeleton.nv()
+        "standing human, {} degrees of freedom, {RATE_HZ} Hz, self-collision {}; {BLOCKS} blocks of {BLOCK} steps taken in turn; least times",
+        c.skeleton.nv(),
+        if self_collision { "on" } else { "off" }
     );
     println!(
         "MuJoCo {} discrete: {:6.2} µs; {} contacts, {} rows, {} iterations, {} cone, tolerance {}, at most {} iterations; root at {} m",

@@ -55,10 +55,9 @@ pub(crate) fn of_limb<'a>(
 }
 
 impl Feet {
-    /// The limbs of a clip that the contacts name, by limb or by a point of the foot.
-    pub(crate) fn of(clip: &Clip, contacts: &ContactPlan) -> Self {
+    /// The limbs of a clip that the contacts name, by limb or by a point of the foot. `all`: its links ([`worlds`]).
+    pub(crate) fn of(clip: &Clip, contacts: &ContactPlan, all: &[Kinematics]) -> Self {
         let s = &clip.skeleton;
-        let all = worlds(clip);
         let legs = s
             .limbs()
             .iter()

@@ -17,6 +17,7 @@ use dynamics::{Carrying, Push, RootMode, State, Trace, Wrench};
 use motion::{Floor, Joint, Tilt, Vec3};
 use thiserror::Error;
 
+use crate::core::{Overlap, overlap};
 use crate::foresight::{Foreseen, Foresight, ForesightError, Subject, Used};
 use crate::load::Load;
 use crate::recorder::{Outside, Recorder, Stepped};
@@ -34,7 +35,16 @@ pub enum PassError {
     /// Of foresight.
     #[error(transparent)]
     Foresight(#[from] ForesightError),
+    /// A body that begins inside a prop.
+    #[error(
+        "the first pose stands in prop `{}`: `{}` is {:.0} mm deep in it (at most {:.0} mm); move the prop or the body",
+        .0.prop, .0.link, 1e3 * .0.depth_m, 1e3 * DEEPEST_M
+    )]
+    Overlap(Overlap),
 }
+
+/// A body that stands deeper in a prop than this is not performed, m: it would be thrown out.
+pub const DEEPEST_M: f64 = 0.02;
 
 /// Everything a run needs.
 pub struct Pass {
@@ -158,6 +168,9 @@ impl Pass {
         // scripts start from rest, clips in the middle of a motion
         let v = if scripted { vec![0.0; controller.model().nv()] } else { goal.velocity(0).to_vec() };
         let started = Instant::now();
+        if let Some(found) = overlap(&character, &q, &settings.props).filter(|o| o.depth_m > DEEPEST_M) {
+            return Err(PassError::Overlap(found));
+        }
         let load = Load::new(character.clone(), self.carried, rate_hz, goal.rows());
         let mut engine = engine.build(&load.character(), settings.clone(), &q, &v)?;
         let stops: Vec<f64> = controller.plan().scale.k1.iter().map(|k| k * STIFFNESS_RATIO).collect();

@@ -207,3 +207,21 @@ fn self_collision_is_off_unless_asked_for() {
         assert!(engine.q()[7] < -0.35 && engine.q()[8] > 0.35, "{}: {:?}", engine.name(), engine.q());
     }
 }
+
+/// A body that begins inside a prop is refused by name and depth; one that touches it is not.
+#[test]
+fn a_body_that_begins_in_a_prop_is_named() {
+    let c = solid_box();
+    let prop = Prop::upright("table", Vec3::zeros(), Vec3::new(2.0, 0.4, 2.0), 0.0, 0.8);
+    let at = |height: f64| {
+        let mut q = c.rest.clone();
+        c.skeleton.set_position(&mut q, 0, &Vec3::new(0.0, height + HALF[1], 0.0));
+        sim::core::overlap(&c, &q, std::slice::from_ref(&prop))
+    };
+    let deep = at(0.37).unwrap();
+    assert_eq!((deep.link.as_str(), deep.prop.as_str()), (c.skeleton.links()[0].name.as_str(), "table"));
+    assert!((deep.depth_m - 0.03).abs() < 1e-6, "{deep:?}"); // 1e-8 m
+    assert!(at(0.4).is_none_or(|o| o.depth_m < 1e-6), "{:?}", at(0.4));
+    assert_eq!(at(0.5), None);
+    assert_eq!(sim::core::overlap(&c, &c.rest, &[]), None);
+}

@@ -65,7 +65,8 @@ impl PerformError {
     pub fn is_input(&self) -> bool {
         let program = matches!(self, Self::Pass(PassError::Reactive(ReactiveError::Program { .. })));
         let replay = matches!(self, Self::Pass(PassError::Foresight(ForesightError::Replay(_))));
-        program || replay || matches!(self, Self::Engine(_) | Self::Slides(_))
+        let overlap = matches!(self, Self::Pass(PassError::Overlap(_)));
+        program || replay || overlap || matches!(self, Self::Engine(_) | Self::Slides(_))
     }
 }
 

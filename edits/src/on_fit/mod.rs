@@ -40,7 +40,7 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use motion::{Dof, Fit, LimbKind, Skeleton, Tolerance, Track, Tracks};
 
-use crate::feet::Feet;
+use crate::feet::{Feet, worlds};
 use crate::fit_place::FitPlace;
 use crate::track_edit::check;
 use crate::{ClipEdit, ClipPlace, EditError, EditLog, Edited, Motion, Selection, TrackEdit};
@@ -103,7 +103,7 @@ impl ClipEdit for OnFit {
         log.note_all(support.words(&s.links()[0].name));
         let mut edited = Edited::unchanged(motion);
         lay::over(&mut edited.clip, &fit.tracks, &changed, &place, &support);
-        let feet = Feet::of(clip, &motion.contacts);
+        let feet = Feet::of(clip, &motion.contacts, &worlds(clip));
         let legs = s.limbs().iter().any(|l| l.kind == LimbKind::Leg);
         if !feet.is_empty() || legs {
             let said = feet.hold(&mut edited.clip)?;

@@ -13,7 +13,7 @@
 
 use motion::rotation::{exp, log};
 use motion::{EulerOrder, Quat, Vec3};
-use nalgebra::{DMatrix, Matrix3};
+use nalgebra::{DMatrix, Matrix3, Quaternion};
 
 use super::figure::{Figure, Postures};
 use motion::names::Word;
@@ -42,7 +42,7 @@ impl Word for Representation {
 /// Weight of the three axes of a bone beside its children, m.
 const AXIS_M: f64 = 0.05;
 /// A fit that turns by less is done, rad: what is left is as its square.
-const STILL: f64 = 1e-7;
+const STILL: f64 = 1e-5;
 /// Most steps of a fit.
 const STEPS: usize = 30;
 
@@ -163,13 +163,15 @@ impl Coding {
         Channels { own, carried }
     }
 
-    /// Numbers as the postures nearest to them; bones have the figure's lengths. `near`: turns to start the fit from, frame by
-    /// frame, replaced.
+    /// Numbers as the postures nearest to them; bones have the figure's lengths. `turns`: of the postures that were changed, frame by
+    /// frame, replaced: a fit starts from them, turned as the two frames before let expect.
     pub fn decode(&self, figure: &Figure, channels: &Channels, turns: &mut [Vec<Quat>], height: &mut [f64]) {
         let bones = figure.bones.len();
         let last = channels.own.ncols() - 1;
         let children: Vec<Vec<usize>> =
             (0..bones).map(|b| (0..bones).filter(|c| figure.bones[*c].parent == Some(b)).collect()).collect();
+        // how far the last two frames were turned
+        let mut turned = vec![[Quat::identity(); 2]; bones];
         for f in 0..channels.own.nrows() {
             let at = |i: usize| {
                 let row = |k: usize| channels.own[(f, 3 * i + k)];
@@ -179,16 +181,27 @@ impl Coding {
                 Representation::Positions => {
                     let mut ends = bones;
                     for bone in 0..bones {
-                        let mut m = Matrix3::from_fn(|r, c| channels.carried[(f, 9 * bone + 3 * c + r)]);
-                        m *= AXIS_M * AXIS_M;
-                        for &child in &children[bone] {
-                            m += (at(child) - at(bone)) * figure.bones[child].offset.transpose();
-                        }
-                        if let Some(end) = figure.bones[bone].end {
-                            m += (at(ends) - at(bone)) * end.transpose();
+                        let carried = |k: usize| channels.carried[(f, 9 * bone + k)] * (AXIS_M * AXIS_M);
+                        let mut columns =
+                            [0, 3, 6].map(|c| Vec3::new(carried(c), carried(c + 1), carried(c + 2)));
+                        let here = at(bone);
+                        let mut add = |place: usize, offset: &Vec3| {
+                            let there = at(place) - here;
+                            for c in 0..3 {
+                                columns[c] += there * offset[c];
+                            }
+                        };
+                        children[bone].iter().for_each(|c| add(*c, &figure.bones[*c].offset));
+                        if let Some(end) = &figure.bones[bone].end {
+                            add(ends, end);
                             ends += 1;
                         }
-                        turns[f][bone] = nearest(&m, turns[f][bone]);
+                        let m = Matrix3::from_columns(&columns);
+                        let was = turns[f][bone];
+                        let [before, last] = turned[bone];
+                        turns[f][bone] = nearest(&m, last * before.inverse() * last * was);
+                        let now = turns[f][bone] * was.inverse();
+                        turned[bone] = [if f == 0 { now } else { last }, now];
                     }
                     height[f] = at(0).y;
                 }
@@ -211,20 +224,25 @@ impl Coding {
 }
 
 /// The rotation that maximises trace(Gᵀ M), by Newton steps from a guess: with P = M Gᵀ and its symmetric part S,
-/// `(tr S − S) ω = Σ g_i × m_i`, `G ← exp(ω) G`. Where that does not lead to the maximum, by singular values.
+/// `(tr S − S) ω = Σ g_i × m_i`, `G ← (1, ω/2)/|·| G`, a quaternion that turns by ω up to |ω|³/12. Where that does not lead to the maximum, by
+/// singular values.
 fn nearest(m: &Matrix3<f64>, guess: Quat) -> Quat {
     let mut g = guess;
     for _ in 0..STEPS {
         let p = m * g.to_rotation_matrix().matrix().transpose();
         // Σ g_i × m_i is the axial vector of P
         let turn = Vec3::new(p[(2, 1)] - p[(1, 2)], p[(0, 2)] - p[(2, 0)], p[(1, 0)] - p[(0, 1)]);
-        let s = (p + p.transpose()) * 0.5;
-        let Some(factor) = (Matrix3::from_diagonal_element(s.trace()) - s).cholesky() else { break };
-        let step = factor.solve(&turn);
+        let a = Matrix3::from_diagonal_element(p.trace()) - (p + p.transpose()) * 0.5;
+        // a maximum: positive definite
+        let minor = a[(0, 0)] * a[(1, 1)] - a[(0, 1)] * a[(1, 0)];
+        let is_maximum = a[(0, 0)] > 0.0 && minor > 0.0 && a.determinant() > 0.0;
+        let Some(inverse) = a.try_inverse().filter(|_| is_maximum) else { break };
+        let step = inverse * turn;
         let length = step.norm();
-        g = exp(&(if length > 1.0 { step / length } else { step })) * g;
+        let half = step * (0.5 / length.max(1.0));
+        g = Quat::new_normalize(Quaternion::from_parts(1.0, half)) * g;
         if length < STILL {
-            return g;
+            return Quat::new_normalize(g.into_inner());
         }
     }
     // singular values of what is no number are looked for without end

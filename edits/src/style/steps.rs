@@ -115,9 +115,9 @@ fn lifted(by: f64, room: f64, down: f64) -> f64 {
 /// # Errors
 /// Legs that IK cannot solve.
 pub(super) fn keep(base: &Clip, contacts: &ContactPlan, styled: &mut Clip) -> Result<Vec<String>, IkError> {
-    let feet = Feet::of(base, contacts);
     let s = base.skeleton.clone();
     let (was, is) = (worlds(base), worlds(styled));
+    let feet = Feet::of(base, contacts, &was);
     let mut goals: Goals = feet.goals(&is);
     let mut rooms: Vec<Vec<f64>> = vec![Vec::new(); goals.len()];
     let legs = feet.legs.iter().zip(&mut goals).zip(&mut rooms);

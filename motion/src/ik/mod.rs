@@ -12,6 +12,7 @@
 //! [`linear`](crate::linear).
 
 pub mod axes;
+mod chain;
 pub mod pose;
 pub mod swivel;
 pub mod two_bone;

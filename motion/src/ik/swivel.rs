@@ -9,7 +9,8 @@
 //! In: a pose, a limb. Out: the angle that is missing, the pose with the leg turned; hip and foot stay where they are.
 //! Units: rad, about the line from ankle to hip.
 
-use crate::{Joint, Kinematics, Limb, Quat, Skeleton, Vec3, rotation};
+use super::chain;
+use crate::{Joint, Limb, Quat, Skeleton, Vec3, rotation};
 
 /// Share of the pelvis's turn over the foot that the knee goes along with, where that turn is small.
 pub const PELVIS_SHARE: f64 = 0.3;
@@ -21,9 +22,7 @@ pub const MOST_RAD: f64 = 12.0 * std::f64::consts::PI / 180.0;
 pub fn knee_axis(skeleton: &Skeleton, limb: &Limb) -> Vec3 {
     match skeleton.links()[limb.lower].joint {
         Joint::Revolute(axis) => axis,
-        _ => {
-            Kinematics::new(skeleton, &skeleton.zero_pose()).world[limb.lower].rotation.inverse() * Vec3::x()
-        }
+        _ => chain::rotation_in_zero_pose(skeleton, limb.lower).inverse() * Vec3::x(),
     }
 }
 
@@ -38,18 +37,18 @@ pub fn angle_about(line: &Vec3, from: &Vec3, to: &Vec3) -> Option<f64> {
 /// zero where the rule says nothing: no link above the limb, hip on the ankle, an axis along the line.
 pub fn missing(skeleton: &Skeleton, q: &[f64], limb: &Limb) -> f64 {
     let Some(above) = skeleton.links()[limb.upper].parent else { return 0.0 };
-    let zero = Kinematics::new(skeleton, &skeleton.zero_pose());
     let axis = knee_axis(skeleton, limb);
-    let now = Kinematics::new(skeleton, q);
-    let Some(line) = (now.origin(limb.upper) - now.origin(limb.end)).try_normalize(1e-6) else { return 0.0 };
-    let carried = |link: usize| {
-        now.world[link].rotation
-            * (zero.world[link].rotation.inverse() * (zero.world[limb.lower].rotation * axis))
-    };
-    let over_foot = carried(limb.end);
+    let zero = |link: usize| chain::rotation_in_zero_pose(skeleton, link);
+    let now = |link: usize| chain::world_from_link(skeleton, q, link);
+    let (upper, lower, end) = (now(limb.upper), now(limb.lower), now(limb.end));
+    let line = upper.translation.vector - end.translation.vector;
+    let Some(line) = line.try_normalize(1e-6) else { return 0.0 };
+    let of_zero_pose = zero(limb.lower) * axis;
+    let carried = |link: usize, now: &Quat| now * (zero(link).inverse() * of_zero_pose);
+    let over_foot = carried(limb.end, &end.rotation);
     let found = (|| {
-        let delta = angle_about(&line, &over_foot, &carried(above))?;
-        let along = angle_about(&line, &(now.world[limb.lower].rotation * axis), &over_foot)?;
+        let delta = angle_about(&line, &over_foot, &carried(above, &now(above).rotation))?;
+        let along = angle_about(&line, &(lower.rotation * axis), &over_foot)?;
         Some(along + MOST_RAD * (PELVIS_SHARE * delta / MOST_RAD).tanh())
     })();
     // the shorter way
@@ -60,16 +59,20 @@ pub fn missing(skeleton: &Skeleton, q: &[f64], limb: &Limb) -> f64 {
 
 /// Turns the leg `limb` of `q` about the line from ankle to hip; its end keeps place and turn.
 pub fn turn(skeleton: &Skeleton, q: &mut [f64], limb: &Limb, angle: f64) {
-    let now = Kinematics::new(skeleton, q);
-    let Some(line) = (now.origin(limb.upper) - now.origin(limb.end)).try_normalize(1e-6) else { return };
-    let by = rotation::exp(&(line * angle));
     let links = skeleton.links();
-    let above = |link: usize| links[link].parent.map_or(Quat::identity(), |p| now.world[p].rotation);
+    let above = |link: usize| {
+        links[link].parent.map_or(Quat::identity(), |p| chain::world_from_link(skeleton, q, p).rotation)
+    };
+    let (upper, end) =
+        (chain::world_from_link(skeleton, q, limb.upper), chain::world_from_link(skeleton, q, limb.end));
+    let line = upper.translation.vector - end.translation.vector;
+    let Some(line) = line.try_normalize(1e-6) else { return };
+    let by = rotation::exp(&(line * angle));
     let local = |zero: Quat, world: Quat| Quat::new_normalize((zero.inverse() * world).into_inner());
     let hip = above(limb.upper) * links[limb.upper].parent_from_zero.rotation;
     let ankle = by * above(limb.end) * links[limb.end].parent_from_zero.rotation;
-    skeleton.set_rotation(q, limb.upper, &local(hip, by * now.world[limb.upper].rotation));
-    skeleton.set_rotation(q, limb.end, &local(ankle, now.world[limb.end].rotation));
+    skeleton.set_rotation(q, limb.upper, &local(hip, by * upper.rotation));
+    skeleton.set_rotation(q, limb.end, &local(ankle, end.rotation));
 }
 
 #[cfg(test)]
@@ -78,7 +81,7 @@ mod tests {
     use crate::plant::{Knee, Plant, plant};
     use crate::rotation::exp;
     use crate::skeleton::LimbKind;
-    use crate::{Link, Transform};
+    use crate::{Kinematics, Link, Transform};
 
     /// A pelvis with one leg, thigh and shin 0.4 m, its knee a hinge to the left.
     fn leg() -> (Skeleton, Limb) {

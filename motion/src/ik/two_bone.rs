@@ -27,9 +27,10 @@ use std::f64::consts::TAU;
 use nalgebra::Point3;
 use thiserror::Error;
 
+use super::chain::{self, world_from_zero};
+use crate::Transform;
 use crate::rotation::{Quat, Vec3, between, exp};
 use crate::skeleton::{Joint, Limb, LimbKind, Limits, Range, Skeleton};
-use crate::{Kinematics, Transform};
 
 /// How a solution ended.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -87,27 +88,6 @@ enum Bend {
     Ball(Quat, Vec3),
 }
 
-/// Transform of `link` in the frame of its ancestor `from`; `None` if it is no ancestor.
-fn chain(skeleton: &Skeleton, q: &[f64], from: usize, link: usize) -> Option<Transform> {
-    let mut t = Transform::identity();
-    let mut at = link;
-    while at != from {
-        let l = &skeleton.links()[at];
-        t = l.parent_from_zero * skeleton.joint_transform(q, at) * t;
-        at = l.parent?;
-    }
-    Some(t)
-}
-
-/// World transform of the zero frame of the joint of `link`.
-fn world_from_zero(skeleton: &Skeleton, q: &[f64], link: usize) -> Transform {
-    let l = &skeleton.links()[link];
-    match l.parent {
-        None => l.parent_from_zero,
-        Some(p) => world_from_zero(skeleton, q, p) * skeleton.joint_transform(q, p) * l.parent_from_zero,
-    }
-}
-
 impl Geometry {
     fn new(skeleton: &Skeleton, q: &[f64], limb: &Limb) -> Result<Self, IkError> {
         let links = skeleton.links();
@@ -121,9 +101,9 @@ impl Geometry {
             return Err(kind(limb.upper, "a ball"));
         }
         let parent = links[limb.lower].parent.ok_or_else(broken)?;
-        let to_zero =
-            chain(skeleton, q, limb.upper, parent).ok_or_else(broken)? * links[limb.lower].parent_from_zero;
-        let b = chain(skeleton, q, limb.lower, limb.end).ok_or_else(broken)?.translation.vector;
+        let to_zero = chain::between(skeleton, q, limb.upper, parent).ok_or_else(broken)?
+            * links[limb.lower].parent_from_zero;
+        let b = chain::between(skeleton, q, limb.lower, limb.end).ok_or_else(broken)?.translation.vector;
         if limb.lower == limb.end {
             return Err(broken());
         }
@@ -137,7 +117,7 @@ impl Geometry {
             }
             Joint::Spherical => {
                 // in the zero pose the character faces +Z
-                let zero = Kinematics::new(skeleton, &skeleton.zero_pose()).world[limb.lower].rotation;
+                let zero = chain::rotation_in_zero_pose(skeleton, limb.lower);
                 let (to, other) = match limb.kind {
                     LimbKind::Leg => (-Vec3::z(), Vec3::y()),
                     LimbKind::Arm => (Vec3::z(), Vec3::y()),

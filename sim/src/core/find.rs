@@ -37,6 +37,9 @@ pub(super) struct Slot {
 #[derive(Clone, Debug, Default)]
 pub(super) struct Finder {
     manifolds: Vec<ContactManifold<(), ()>>,
+    /// Where the capsules of the body are: their middles, and their ends.
+    middles: Vec<Vec3>,
+    ends: Vec<[Vec3; 2]>,
 }
 
 impl Finder {
@@ -102,12 +105,22 @@ impl Finder {
                 slots.push(Slot { body: group.body, other: None });
             }
         }
+        if !shapes.pairs.is_empty() {
+            self.place_capsules(shapes, state);
+        }
         let mut last: Option<Slot> = None;
         for (number, pair) in shapes.pairs.iter().enumerate() {
             let found = contacts.len();
             let of = Slot { body: pair.bodies[0], other: Some(pair.bodies[1]) };
             let slot = slots.len() - usize::from(last == Some(of));
-            capsules((shapes, pair), (state, slot, shapes.of_pair(number)), (inner, law), forces, contacts);
+            let first = shapes.of_pair(number);
+            let near = pair.reach + inner;
+            let apart = self.middles[pair.capsules[0]] - self.middles[pair.capsules[1]];
+            if apart.norm_squared() > near * near {
+                forces[first..first + ENDS].fill([0.0; 3]);
+                continue;
+            }
+            self.capsules((shapes, pair), (state, slot, first), (inner, law), forces, contacts);
             if contacts.len() > found && last != Some(of) {
                 slots.push(of);
                 last = Some(of);
@@ -173,24 +186,32 @@ impl Finder {
         }
         forces[first + found..first + MANIFOLD].fill([0.0; 3]);
     }
-}
 
-/// Contacts of two capsules of the body.
-fn capsules(
-    (shapes, pair): (&Shapes, &Pair),
-    (state, slot, first): (&State, usize, usize),
-    (margin, law): (f64, (f64, Yield)),
-    forces: &mut [[f64; 3]],
-    contacts: &mut Vec<Contact>,
-) {
-    let [one, other] = pair.capsules.map(|c| &shapes.capsules[c]);
-    let [s, t] = pair.bodies.map(|b| &state.bodies[b]);
-    let near = one.reach + other.reach + margin;
-    let apart = (s.origin() + s.rotation * one.center) - (t.origin() + t.rotation * other.center);
-    let mut found = 0;
-    if apart.norm_squared() <= near * near {
-        let [a, b] = [one.a, one.b].map(|p| s.origin() + s.rotation * p);
-        let [c, d] = [other.a, other.b].map(|p| t.origin() + t.rotation * p);
+    /// Middles and ends of all capsules.
+    fn place_capsules(&mut self, shapes: &Shapes, state: &State) {
+        self.middles.clear();
+        self.ends.clear();
+        for c in &shapes.capsules {
+            let s = &state.bodies[c.body];
+            let ends = [c.a, c.b].map(|p| s.origin() + s.rotation * p);
+            self.ends.push(ends);
+            self.middles.push(0.5 * (ends[0] + ends[1]));
+        }
+    }
+
+    /// Contacts of two capsules of the body.
+    fn capsules(
+        &self,
+        (shapes, pair): (&Shapes, &Pair),
+        (state, slot, first): (&State, usize, usize),
+        (margin, law): (f64, (f64, Yield)),
+        forces: &mut [[f64; 3]],
+        contacts: &mut Vec<Contact>,
+    ) {
+        let [one, other] = pair.capsules.map(|c| &shapes.capsules[c]);
+        let s = &state.bodies[pair.bodies[0]];
+        let [[a, b], [c, d]] = pair.capsules.map(|c| self.ends[c]);
+        let mut found = 0;
         let mut touch = |(p, q): (Vec3, Vec3)| {
             let away = p - q;
             let far = away.norm();
@@ -225,8 +246,8 @@ fn capsules(
         } else {
             touch(nearest([a, b], [c, d]));
         }
+        forces[first + found..first + ENDS].fill([0.0; 3]);
     }
-    forces[first + found..first + ENDS].fill([0.0; 3]);
 }
 
 fn vector(v: Vector) -> Vec3 {

@@ -32,6 +32,7 @@ mod friction;
 mod integrate;
 mod momentum;
 mod newton;
+mod overlap;
 mod response;
 mod shapes;
 mod snapshot;
@@ -56,6 +57,7 @@ use shapes::Shapes;
 use solve::Solver;
 use tree::Tree;
 
+pub use overlap::{Overlap, overlap};
 pub use rollouts::rollouts;
 pub use snapshot::Snapshot;
 

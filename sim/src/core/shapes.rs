@@ -77,11 +77,10 @@ pub(super) struct Obstacle {
 /// A capsule in the frame of its body, and the ball that holds it.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Capsule {
+    pub body: usize,
     pub a: Vec3,
     pub b: Vec3,
     pub radius: f64,
-    pub center: Vec3,
-    pub reach: f64,
 }
 
 /// Two capsules that may touch each other.
@@ -90,6 +89,8 @@ pub(super) struct Pair {
     pub bodies: [usize; 2],
     pub links: [usize; 2],
     pub capsules: [usize; 2],
+    /// Middles farther apart than this are of capsules that do not touch, m.
+    pub reach: f64,
 }
 
 /// All that may touch.
@@ -157,14 +158,20 @@ impl Shapes {
         self.capsules = capsules
             .iter()
             .map(|c| {
-                let [a, b] = [c.a, c.b].map(|p| (model.body_of[c.link].1 * Point3::from(p)).coords);
-                let (center, reach) = (0.5 * (a + b), 0.5 * (a - b).norm() + c.radius);
-                Capsule { a, b, radius: c.radius, center, reach }
+                let (body, frame) = &model.body_of[c.link];
+                let [a, b] = [c.a, c.b].map(|p| (frame * Point3::from(p)).coords);
+                Capsule { body: *body, a, b, radius: c.radius }
             })
             .collect();
         let pair = |[i, j]: [usize; 2]| {
             let links = [capsules[i].link, capsules[j].link];
-            Pair { bodies: links.map(|l| model.body_of[l].0), links, capsules: [i, j] }
+            let reach = [i, j].map(|c| 0.5 * (capsules[c].a - capsules[c].b).norm() + capsules[c].radius);
+            Pair {
+                bodies: links.map(|l| model.body_of[l].0),
+                links,
+                capsules: [i, j],
+                reach: reach[0] + reach[1],
+            }
         };
         self.pairs = character.self_pairs().into_iter().map(pair).collect();
         // pairs of the same two bodies share a slot
@@ -173,13 +180,13 @@ impl Shapes {
 }
 
 impl Obstacle {
-    fn new(prop: &Prop) -> Self {
+    pub fn new(prop: &Prop) -> Self {
         Self { prop: prop.clone(), solid: Cuboid::new(to_vector(prop.half)), place: pose(&prop.place) }
     }
 }
 
 impl Solid {
-    fn new(body: usize, shape: &Shape, frame: &Transform) -> Self {
+    pub fn new(body: usize, shape: &Shape, frame: &Transform) -> Self {
         let (solid, local) = match shape {
             Shape::Capsule { a, b, radius } => {
                 (SharedShape::capsule(to_vector(*a), to_vector(*b), *radius), Transform::identity())
