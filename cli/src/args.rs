@@ -121,6 +121,9 @@ pub struct RenderArgs {
     /// Perform this part of a clip only, in seconds
     #[arg(long, value_name = "FROM..TO", value_parser = takes::overrides::span)]
     pub span: Option<(f64, f64)>,
+    /// Have a clip go on for so long, s, by repeating the cycle of it (such as a stride) whose ends are most alike; see docs/WALKING.md
+    #[arg(long = "loop", value_name = "SECONDS", value_parser = takes::overrides::loop_s, allow_negative_numbers = true)]
+    pub loop_s: Option<f64>,
     /// Go on after a fall, muscles letting go, until the body rests; otherwise the run ends with the fall
     #[arg(long, conflicts_with_all = ["kinematic", "pareto"])]
     pub past_fall: bool,
@@ -179,6 +182,7 @@ Examples:
   contrapposto render gestures.bvh --root free
   contrapposto render gestures.bvh --root free --span 2.5..7
   contrapposto render walk.bvh --root free --tension 2 --foresight on
+  contrapposto render walk.bvh --root free --tension 2 --foresight on --loop 20
   contrapposto render walk.bvh --root free --tension 2 --replay out/walk/foresight.npz --out out/again
   contrapposto render walk.bvh --units 0.01 --up y --tension 4
   contrapposto inspect walk.bvh --write-body body.ron && contrapposto render walk.bvh --body body.ron
@@ -221,6 +225,7 @@ impl RenderArgs {
             engine: self.engine.clone(),
             body: self.body.clone(),
             import: self.clip.import(),
+            loop_s: self.loop_s,
             edits: self.edit.clone(),
             contacts: self.contacts.clone(),
             no_edits: self.no_edits,
@@ -367,6 +372,9 @@ pub struct ConvertArgs {
     /// Edit a clip first, in the words of a scene: 'Amplitude(factor: 0.5)'; may be given several times
     #[arg(long, value_name = "EDIT")]
     pub edit: Vec<String>,
+    /// Have a clip go on for so long, s, by repeating the cycle of it whose ends are most alike
+    #[arg(long = "loop", value_name = "SECONDS", value_parser = takes::overrides::loop_s, allow_negative_numbers = true)]
+    pub loop_s: Option<f64>,
     /// Write the key poses of a clip, no more than four a second, as a scene (.ron) to go on with, and its character beside it
     #[arg(long)]
     pub blocking: bool,
@@ -385,6 +393,7 @@ Examples:
   contrapposto convert z-up.bvh y-up.bvh --up z --drop-t-pose
   contrapposto convert walk.bvh calm.bvh --edit 'Amplitude(factor: 0.5, parts: [\"arm_l\", \"arm_r\"])'
   contrapposto convert walk.bvh walk.ron --blocking
+  contrapposto convert walk.bvh long.bvh --loop 60
   contrapposto convert scenes/bow.ron bow.glb
   contrapposto convert scenes/characters/human.ron human.xml
 

@@ -51,9 +51,11 @@ pub fn run(args: &ConvertArgs) -> Result<(), Failure> {
             "--edit is for clips (.bvh); {path} is none, a scene has its own `edits`"
         )));
     }
-    let (clip, solids, colors, unit) = if is_clip && !args.edit.is_empty() {
+    let is_taken = !args.edit.is_empty() || args.loop_s.is_some();
+    let (clip, solids, colors, unit) = if is_clip && is_taken {
         let take = takes::open(args.input.as_path(), &ask(args))?;
         reads.extend(take.files.iter().cloned());
+        text += &looped(&take);
         text += &edits_said(&take);
         let clip = take.for_files(&take.asked.clip);
         let solids = glb::bones(&clip.skeleton);
@@ -69,7 +71,8 @@ pub fn run(args: &ConvertArgs) -> Result<(), Failure> {
             let path = args.input.display();
             return Err(Failure::Input(format!("{option} is for clips (.bvh); {path} is none")));
         }
-        let take = takes::open(args.input.as_path(), &Ask::default())?;
+        let take = takes::open(args.input.as_path(), &Ask { loop_s: args.loop_s, ..Ask::default() })?;
+        text += &looped(&take);
         reads.extend(take.files.iter().cloned());
         let unit = take.metres_per_unit();
         (take.asked.clip, take.body.solids(), take.body.colors, unit)
@@ -87,7 +90,13 @@ pub fn run(args: &ConvertArgs) -> Result<(), Failure> {
 
 /// What is asked beside the file.
 fn ask(args: &ConvertArgs) -> Ask {
-    Ask { import: args.clip.import(), edits: args.edit.clone(), ..Ask::default() }
+    Ask { import: args.clip.import(), edits: args.edit.clone(), loop_s: args.loop_s, ..Ask::default() }
+}
+
+/// What of a clip was repeated.
+fn looped(take: &Take) -> String {
+    let cycle = take.clip_source().and_then(|source| source.cycle.as_ref());
+    cycle.map_or_else(String::new, |cycle| format!("looped: {cycle}\n"))
 }
 
 /// What the edits of a take changed, a line each.
@@ -145,6 +154,7 @@ fn body(args: &ConvertArgs) -> Result<(), Failure> {
         ("--rate", args.rate.is_some()),
         ("--out-units", args.out_units.is_some()),
         ("--edit", !args.edit.is_empty()),
+        ("--loop", args.loop_s.is_some()),
     ] {
         if given {
             return Err(Failure::Input(format!("{option} is for motion; an .xml holds a body")));

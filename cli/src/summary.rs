@@ -52,6 +52,9 @@ fn write(out: &mut String, take: &Take, report: &Report, dir: &Path) -> std::fmt
         for (i, text) in read.lines().enumerate() {
             line(out, if i == 0 { "clip" } else { "" }, text)?;
         }
+        if let Some(cycle) = &source.cycle {
+            line(out, "looped", cycle.to_string())?;
+        }
         if let Some(body) = &source.body {
             for (i, text) in body.to_string().lines().enumerate() {
                 line(out, if i == 0 { "guessed" } else { "" }, text)?;

@@ -11,6 +11,7 @@
 //! | [`time_map`] | strictly increasing maps of time; retimed clips |
 //! | [`contact_plan`] | which point stands, from when to when, and where |
 //! | [`mod@contacts`] | the contact plan of a clip, found by height and speed |
+//! | [`cycle`] | a part of a clip that repeats; clips that go on |
 //! | [`derivatives`] | velocities and accelerations |
 //! | [`mod@smooth`] | a smoother that minimises acceleration noise |
 //! | [`curve`] | named transition curves |
@@ -43,6 +44,7 @@ pub mod clip;
 pub mod contact_plan;
 pub mod contacts;
 pub mod curve;
+pub mod cycle;
 pub mod derivatives;
 pub mod dof;
 pub mod file;
@@ -76,6 +78,7 @@ pub use clip::Clip;
 pub use contact_plan::{Contact, ContactPlan};
 pub use contacts::contacts;
 pub use curve::{Curve, CurveName, smoothstep};
+pub use cycle::{Cycle, CycleError};
 pub use derivatives::Derivatives;
 pub use dof::{Dof, Value};
 pub use fit::{Fit, FitReport, Tolerance};

@@ -127,6 +127,9 @@ pub struct Overrides {
     pub self_collision: bool,
 }
 
+/// How long a clip may go on, s.
+pub const LOOPS_S: RangeInclusive<f64> = 0.1..=3600.0;
+
 /// Reads a part of a clip: `FROM..TO` in seconds.
 ///
 /// # Errors
@@ -136,6 +139,15 @@ pub fn span(text: &str) -> Result<(f64, f64), String> {
     let ends = text.split_once("..").and_then(|(a, b)| Some((number(a)?, number(b)?)));
     ends.filter(|(a, b)| a < b)
         .ok_or_else(|| "allowed: FROM..TO in seconds, FROM before TO, such as 2.5..7".into())
+}
+
+/// Reads how long a clip goes on, s.
+///
+/// # Errors
+/// What is allowed.
+pub fn loop_s(text: &str) -> Result<f64, String> {
+    let seconds = text.parse().ok().filter(|s| LOOPS_S.contains(s));
+    seconds.ok_or_else(|| format!("allowed: {} to {} s", LOOPS_S.start(), LOOPS_S.end()))
 }
 
 /// Reads props as a scene has them, each a text of its own.

@@ -1,6 +1,6 @@
 //! Captured clips performed free: which keep their feet, how near they stay, what it costs.
 //!
-//! In: clips, and how to perform. Out: a line per clip and seed; of several seeds the worst of a clip counts in the summary.
+//! In: clips or scenes, and how to perform. Out: a line per clip and seed; of several seeds the worst of a clip counts in the summary.
 //!
 //! ```sh
 //! cargo run --release -p takes --example on_its_feet -- --tension 2 --seeds 1,2,3 ../shared/mocap/bvh/16_16.bvh
@@ -119,6 +119,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let mut engine = None;
     let mut blind = false;
     let mut span_s = None;
+    let (mut loop_s, mut edits) = (None, Vec::new());
     let mut args = std::env::args().skip(1);
     while let Some(arg) = args.next() {
         let mut value = || args.next().ok_or(format!("{arg} needs a value"));
@@ -144,6 +145,8 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
             "--feet" => settings.scales.feet_m = value()?.parse()?,
             "--root" => settings.scales.root_rad = value()?.parse()?,
             "--spin" => settings.scales.spin_nms = value()?.parse()?,
+            "--loop" => loop_s = Some(value()?.parse()?),
+            "--edit" => edits.push(value()?),
             "--off" => blind = true,
             "--until" => span_s = Some((0.0, value()?.parse()?)),
             _ => files.push(arg.into()),
@@ -161,7 +164,8 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
                 ..Overrides::default()
             };
             let foresight = (!blind).then_some(Foreseen::Search(Settings { seed, ..settings }));
-            let ask = Ask { overrides, foresight, engine: engine.clone(), ..Ask::default() };
+            let (engine, edits) = (engine.clone(), edits.clone());
+            let ask = Ask { overrides, foresight, engine, loop_s, edits, ..Ask::default() };
             let line = perform(file, &ask)?;
             print(&line, seed);
             lines.push(line);

@@ -59,6 +59,8 @@ pub struct Ask {
     pub body: Option<PathBuf>,
     /// How to read a clip.
     pub import: ImportOptions,
+    /// How long a clip goes on by repeating a cycle of itself, s; by default as its scene says, else as long as it is.
+    pub loop_s: Option<f64>,
     /// Edits of a clip, each the text that a scene would have in its list; scenes have their own.
     pub edits: Vec<String>,
     /// What stands when in a clip, and where: a `contacts.ron` of an earlier run, edited; by default it is found.

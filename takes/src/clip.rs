@@ -3,7 +3,7 @@
 //! In: a BVH file or a clip in memory, with or without a body, the conditions, the clip edits of a scene. Out: its [`Take`].
 //!
 //! ```text
-//! clip ─→ body guessed or given ─→ clip edits ─→ limits ─→ feet planted where it stands ⇄ pins ─→ Take
+//! clip ─→ body guessed or given ─→ repeated, where asked ─→ clip edits ─→ limits ─→ feet planted where it stands ⇄ pins ─→ Take
 //! ```
 
 use std::ops::Range;
@@ -17,7 +17,7 @@ use controllers::Dense;
 use dynamics::conditions::RootMode;
 use edits::{EditLog, Motion};
 use formats::bvh::{ImportOptions, ImportReport};
-use motion::{Clip, Floor, Kinematics, TimeMap};
+use motion::{Clip, Cycle, Floor, Kinematics, TimeMap};
 use scenes::StripSpec;
 use scenes::library::{self, Kind};
 use scenes::scene::{self, Scene, SceneEdit};
@@ -40,6 +40,8 @@ pub(crate) struct ClipInput {
     shown: String,
     clip: Clip,
     import: Option<ImportReport>,
+    /// What of it was repeated.
+    cycle: Option<Cycle>,
     body: Body,
     guess: Option<BodyReport>,
     map: PoseMap,
@@ -59,7 +61,7 @@ impl ClipInput {
         let input = Self::new(stem(path), path.display().to_string(), clip, Some(import), given)?;
         let body = ask.body.iter().filter(|file| library::is_file(file) && !library::is_location(file));
         let files = body.cloned().chain([path.to_owned()]).collect();
-        Ok(Self { files, ..input })
+        Self { files, ..input }.looped(ask.loop_s)
     }
 
     /// Reads the clip of a scene; its body is the scene's.
@@ -71,13 +73,27 @@ impl ClipInput {
         };
         let body = Body { character: scene.character.clone(), colors: scene.colors.clone() };
         let input = Self::of(scene.name.clone(), path.display().to_string(), clip, Some(import), body, None)?;
-        Ok(Self { files: scene.files.clone(), ..input })
+        Self { files: scene.files.clone(), ..input }.looped(ask.loop_s.or(scene.loop_s))
     }
 
     /// A clip in memory.
     pub(crate) fn of_memory(clip: Clip, name: String, ask: &Ask) -> Result<Self, TakeError> {
         let given = given_body(ask)?;
-        Self::new(name.clone(), name, clip, None, given)
+        Self::new(name.clone(), name, clip, None, given)?.looped(ask.loop_s)
+    }
+
+    /// The clip going on for `seconds`, if it is to.
+    fn looped(mut self, seconds: Option<f64>) -> Result<Self, TakeError> {
+        let Some(seconds) = seconds else { return Ok(self) };
+        let path = || self.shown.clone();
+        if seconds * self.clip.rate_hz > MOST_STEPS {
+            return Err(TakeError::Long { path: path(), duration_s: seconds, rate_hz: self.clip.rate_hz });
+        }
+        let fault = |source| TakeError::Cycling { path: path(), source };
+        let cycle = Cycle::find(&self.clip).map_err(fault)?;
+        self.clip = cycle.repeat(&self.clip, seconds).map_err(fault)?;
+        self.cycle = Some(cycle);
+        Ok(self)
     }
 
     fn new(
@@ -115,7 +131,7 @@ impl ClipInput {
         }
         let map = PoseMap::of_clip(&clip, &body.character.skeleton)
             .map_err(|source| TakeError::Map { path: shown.clone(), source })?;
-        Ok(Self { name, shown, clip, import, body, guess, map, files: Vec::new() })
+        Ok(Self { name, shown, clip, import, cycle: None, body, guess, map, files: Vec::new() })
     }
 }
 
@@ -169,7 +185,7 @@ pub(crate) fn take(
     scene: Option<&Scene>,
     ask: &Ask,
 ) -> Result<Take, TakeError> {
-    let ClipInput { name, shown, clip: mut source, import, body, guess, map, mut files } = input;
+    let ClipInput { name, shown, clip: mut source, import, cycle, body, guess, map, mut files } = input;
     if scene.is_none() {
         ask.overrides.apply(&mut spec.physics, &body.character);
         ask.overrides.apply_world(&mut spec);
@@ -212,7 +228,7 @@ pub(crate) fn take(
     }
     let take = Take {
         name,
-        source: Source::Clip(Box::new(ClipSource { clip: source, map, import, body: guess })),
+        source: Source::Clip(Box::new(ClipSource { clip: source, map, import, cycle, body: guess })),
         conditions: Conditions::resolve(&spec, scene.map_or(Ok(Vec::new()), reactions)?, &times, ground),
         asked: Asked {
             contacts: contacts(character, &clip).0,

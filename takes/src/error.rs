@@ -3,6 +3,7 @@
 use bodies::anthropometry::GuessError;
 use bodies::pose_map::PoseMapError;
 use formats::ClipFileError;
+use motion::CycleError;
 use motion::ik::IkError;
 use scenes::SceneError;
 use scenes::library::UnknownName;
@@ -73,6 +74,22 @@ pub enum TakeError {
         to: f64,
         /// Length of the clip, s.
         duration_s: f64,
+    },
+    /// A clip that does not go on.
+    #[error("{path}: {source}")]
+    Cycling {
+        /// The clip.
+        path: String,
+        /// Why.
+        source: CycleError,
+    },
+    /// A loop of what is no clip.
+    #[error(
+        "{path}: only clips (.bvh, or scenes with `motion: Clip(…)`) go on by repeating a cycle of themselves"
+    )]
+    Loop {
+        /// The scene.
+        path: String,
     },
     /// Contacts for what has its own.
     #[error(

@@ -75,6 +75,9 @@ fn of_scene_in(mut scene: Scene, ask: &Ask, opening: &Opening) -> Result<Take, T
     if ask.contacts.is_some() && !matches!(scene.motion, SceneSource::Clip(_)) {
         return Err(TakeError::Contacts { path: scene.source.path().display().to_string() });
     }
+    if ask.loop_s.is_some() && !matches!(scene.motion, SceneSource::Clip(_)) {
+        return Err(TakeError::Loop { path: scene.source.path().display().to_string() });
+    }
     ask.overrides.apply(&mut scene.conditions.physics, &scene.character);
     ask.overrides.apply_world(&mut scene.conditions);
     if ask.engine.is_some() {

@@ -18,7 +18,7 @@ use dynamics::verdict::{Reason, Verdict};
 use edits::EditLog;
 use formats::bvh::ImportReport;
 use motion::stance::Stance;
-use motion::{Clip, ContactPlan, Kinematics, Plant, Shape, TimeMap, Tracks};
+use motion::{Clip, ContactPlan, Cycle, Kinematics, Plant, Shape, TimeMap, Tracks};
 use retarget::contacts::Phase;
 use scenes::StripSpec;
 use scenes::TuneSpec;
@@ -56,6 +56,8 @@ pub struct ClipSource {
     pub map: PoseMap,
     /// What was read and guessed of the file; `None` for a clip from memory.
     pub import: Option<ImportReport>,
+    /// What of it was repeated so that it goes on, if it was asked to.
+    pub cycle: Option<Cycle>,
     /// What was guessed of the body; `None` if it was given.
     pub body: Option<BodyReport>,
 }

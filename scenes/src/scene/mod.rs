@@ -26,6 +26,7 @@ use bodies::Character;
 use dynamics::conditions::RootMode;
 
 use crate::conditions::ConditionsSpec;
+use crate::overrides::LOOPS_S;
 use crate::schema::SceneRon;
 use crate::{Patch, SceneError, Source, StripSpec, TuneSpec, character_file, library};
 
@@ -47,6 +48,8 @@ pub struct Scene {
     pub rate_hz: Option<f64>,
     /// Where its motion comes from.
     pub motion: SceneSource,
+    /// How long a clip goes on by repeating a cycle of itself, s; `None`: as long as it is.
+    pub loop_s: Option<f64>,
     /// Edits in order.
     pub edits: Vec<SceneEdit>,
     /// What acts on the body.
@@ -99,12 +102,21 @@ pub fn parse(source: Source, name: String) -> Result<Scene, SceneError> {
     files.retain(|file| !library::is_location(file));
     let rate = |x| check.within("rate_hz", x, 1.0, 1000.0, "Hz");
     let rate_hz = ron.rate_hz.map(rate).transpose()?;
+    let loop_s = ron.loop_s.map(|x| check.within("loop_s", x, *LOOPS_S.start(), *LOOPS_S.end(), "s"));
+    let loop_s = loop_s.transpose()?;
+    if loop_s.is_some() && !matches!(motion, SceneSource::Clip(_)) {
+        return Err(source.error(
+            "loop_s",
+            "only a clip goes on by repeating a cycle of itself; allowed: with `motion: Clip(…)`",
+        ));
+    }
     if ron.strip.figures < 2 || ron.strip.figures > 40 {
         return Err(source.error("strip.figures", format!("{} figures; allowed: 2 to 40", ron.strip.figures)));
     }
     Ok(Scene {
         name,
         rate_hz,
+        loop_s,
         motion,
         edits,
         conditions,

@@ -47,6 +47,8 @@ pub struct SceneRon {
     pub script: Vec<ActionRon>,
     /// A motion that is not a script: a clip, or a human motion put on the character.
     pub motion: Option<MotionRon>,
+    /// How long a clip goes on by repeating a cycle of itself, s.
+    pub loop_s: Option<f64>,
     /// Single elements beside the actions.
     #[serde(default)]
     pub inserts: Vec<InsertRon>,

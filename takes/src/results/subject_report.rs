@@ -58,6 +58,8 @@ pub struct ClipReport {
     pub body_guessed: bool,
     /// What was read, guessed and repaired, in words.
     pub read: Vec<String>,
+    /// What of it was repeated so that it goes on, in words; null of a clip that is as long as its file.
+    pub cycle: Option<String>,
     /// What was guessed of the body that a person may want to overrule, in words.
     pub body_notes: Vec<String>,
 }
@@ -70,6 +72,7 @@ impl ClipReport {
             decided: DecidedReport::new(import),
             body_guessed: source.body.is_some(),
             read: import.to_string().lines().map(|l| l.trim().to_owned()).collect(),
+            cycle: source.cycle.as_ref().map(ToString::to_string),
             body_notes: source.body.as_ref().map_or_else(Vec::new, |b| b.notes.clone()),
         })
     }
