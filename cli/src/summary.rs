@@ -412,8 +412,8 @@ fn foresight(out: &mut String, f: &ForesightReport) -> std::fmt::Result {
         Some(lost) => format!("LOST ITS FEET at {:.2} s: {lost}", f.kept_s),
     };
     let text = format!(
-        "{kept}; links {:.0} mm RMS from the motion asked for; a stance slips {:.0} mm (largest {:.0}); peak {:.1} body weights",
-        f.links_rms_mm, f.slip_mm, f.slip_mm_max, f.peak_bw
+        "{kept}; links {:.0} mm RMS from the motion asked for, at most {:.0} mm off its way of {:.2} m; a stance slips {:.0} mm (largest {:.0}); peak {:.1} body weights",
+        f.links_rms_mm, f.away_mm, f.way_m, f.slip_mm, f.slip_mm_max, f.peak_bw
     );
     line(out, "", text)
 }

@@ -2,7 +2,8 @@
 //!
 //! In: a [`Trace`] of a body over ground. Out: a [`Walked`].
 //!
-//! *Kept its feet*, of every row: the root is at least [`HIGH`] of the height asked for, turned by at most [`TILT_DEG`] from what is asked and
+//! *Kept its feet*, of every row: the root (of a body that stands on its root, as a lamp on its plate: the centre of mass) is at least [`HIGH`] of the
+//! height asked for, turned by at most [`TILT_DEG`] from what is asked and
 //! within [`PATH_M`] of it along the ground; nothing but what stands by the plan carries more than [`CARRIES`] of the weight; no wrench holds
 //! the root. Feet stand by the plan, and what the motion asked for brings to the ground (`dynamics::fall`).
 //!
@@ -71,6 +72,10 @@ pub struct Walked {
     pub links_mm: f64,
     /// RMS turn of its joints from those asked for, degrees.
     pub joints_deg: f64,
+    /// While it kept its feet: the largest distance of the root along the ground from where it is asked, m.
+    pub away_m: f64,
+    /// Length of the way that is asked of the root along the ground in that time, m.
+    pub way_m: f64,
     /// Slip of every stance, mm, in order of their beginnings.
     pub slips_mm: Vec<f64>,
     /// RMS of the force that nothing explains, % of the weight.
@@ -88,7 +93,10 @@ impl Walked {
     pub fn of(trace: &Trace, rows: usize) -> Self {
         let model = Model::new(&trace.character, trace.gravity);
         let weight = model.mass * trace.gravity.norm();
-        let feet: Vec<usize> = trace.character.legs().map(|l| model.body_of[l.end].0).collect();
+        let mut feet: Vec<usize> = trace.character.legs().map(|l| model.body_of[l.end].0).collect();
+        if feet.is_empty() {
+            feet = trace.character.soles().iter().map(|s| model.body_of[s.link].0).collect();
+        }
         let mut lost = None;
         let mut kept = 0;
         for row in 0..trace.rows() {
@@ -103,8 +111,11 @@ impl Walked {
             lost = Some((kept as f64 / trace.rate_hz, Loss::Ended));
         }
         let (links_mm, joints_deg) = differences(trace, &model, kept);
+        let (away_m, way_m) = drift(trace, &model, kept);
         let mut walked = Self {
             lost,
+            away_m,
+            way_m,
             kept_s: kept as f64 / trace.rate_hz,
             links_mm,
             joints_deg,
@@ -136,7 +147,7 @@ impl Walked {
 
     /// Mean slip of a stance, mm; zero without stances.
     pub fn slip_mm(&self) -> f64 {
-        self.slips_mm.iter().sum::<f64>() / self.slips_mm.len().max(1) as f64
+        self.slips_mm.iter().fold(0.0, |sum, x| sum + x) / self.slips_mm.len().max(1) as f64
     }
 }
 
@@ -162,7 +173,17 @@ fn loss(trace: &Trace, model: &Model, feet: &[usize], weight: f64, row: usize) -
     let skeleton = &model.skeleton;
     let (q, goal) = (trace.pose(row), trace.target_pose(row));
     let (at, asked) = (skeleton.position(q, 0), skeleton.position(goal, 0));
-    let high = trace.height(row, &at) / trace.height(0, &asked).max(1e-9);
+    let high = match feet.contains(&0) {
+        true => {
+            let mut state = State::new(model);
+            let mut com = |q: &[f64]| {
+                state.update_pose(model, q);
+                state.com(model)
+            };
+            trace.height(row, &com(q)) / trace.height(0, &com(goal)).max(1e-9)
+        }
+        false => trace.height(row, &at) / trace.height(0, &asked).max(1e-9),
+    };
     if high < HIGH {
         return Some(Loss::Low(high));
     }
@@ -172,6 +193,24 @@ fn loss(trace: &Trace, model: &Model, feet: &[usize], weight: f64, row: usize) -
     }
     let away = (at - asked).xz().norm();
     (away > PATH_M).then_some(Loss::Away(away))
+}
+
+/// Largest distance of the root along the ground from where it is asked, and the length of the way asked for, rows 0 to `kept`, m; zeros of
+/// a root that does not move freely.
+fn drift(trace: &Trace, model: &Model, kept: usize) -> (f64, f64) {
+    if !matches!(model.bodies[0].joint, Joint::Free) || trace.rows() == 0 {
+        return (0.0, 0.0);
+    }
+    let at = |q: &[f64]| model.skeleton.position(q, 0).xz();
+    let mut before = at(trace.target_pose(0));
+    let (mut away, mut way) = (0.0_f64, 0.0);
+    for row in 0..=kept {
+        let asked = at(trace.target_pose(row));
+        way += (asked - before).norm();
+        away = away.max((at(trace.pose(row)) - asked).norm());
+        before = asked;
+    }
+    (away, way)
 }
 
 /// RMS distance of link centres (mm) and turn of joints (degrees) from what is asked, rows 1 to `kept`.

@@ -12,7 +12,7 @@
 use std::ops::Range;
 
 use crate::stance::place;
-use crate::{Clip, Contact, ContactPlan, Kinematics, Sole, Vec3};
+use crate::{Clip, Contact, ContactPlan, Kinematics, Skeleton, Sole, Vec3};
 
 /// A corner is down below this height over the lowest that soles usually are, m, ...
 pub const LOW_M: f64 = 0.035;
@@ -84,6 +84,31 @@ pub fn placed(plan: &ContactPlan, clip: &Clip, soles: &[Sole], ground_m: f64) ->
     ContactPlan::new(plan.contacts().iter().map(filled).collect()).unwrap_or_else(|_| plan.clone())
 }
 
+/// The plan with contacts of soles for those of their corners: a sole that is not named itself stands while any site at a corner of it does.
+/// Where its corners have places is forgotten: `placed` finds where it lies flat.
+pub fn by_soles(plan: &ContactPlan, skeleton: &Skeleton, soles: &[Sole]) -> ContactPlan {
+    let corner = |sole: &Sole, point: &str| {
+        let site = skeleton.site(point);
+        site.is_some_and(|s| sole.corners.iter().any(|(link, at)| *link == s.link && *at == s.at))
+    };
+    let mut contacts = plan.contacts().to_vec();
+    for sole in soles.iter().filter(|sole| plan.of(&sole.name).next().is_none()) {
+        let (of, others): (Vec<Contact>, Vec<Contact>) =
+            contacts.into_iter().partition(|c| corner(sole, &c.point));
+        contacts = others;
+        let first = contacts.len();
+        // in order of their start
+        for c in of {
+            match contacts[first..].last_mut().filter(|last| c.from_s <= last.to_s) {
+                Some(last) => last.to_s = last.to_s.max(c.to_s),
+                None => contacts.push(Contact { point: sole.name.clone(), world_from_point: None, ..c }),
+            }
+        }
+    }
+    // joined where they overlap
+    ContactPlan::new(contacts).unwrap_or_else(|_| plan.clone())
+}
+
 /// The part of a contact in which the sole lies flattest: around the frame whose corners are lowest together, while their
 /// middle is less than [`FLAT_M`] higher. `corners`: their paths.
 pub(crate) fn flat_part(corners: &[Vec<Vec3>], span: Range<usize>) -> Range<usize> {
@@ -101,4 +126,38 @@ pub(crate) fn corner_paths(clip: &Clip, soles: &[Sole]) -> Vec<Vec<Vec<Vec3>>> {
         (0..clip.frames()).map(|f| Kinematics::new(&clip.skeleton, clip.pose(f))).collect();
     let path = |(link, at): &(usize, Vec3)| all.iter().map(|k| k.point(*link, at)).collect();
     soles.iter().map(|sole| sole.corners.iter().map(path).collect()).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{Joint, Link, Site};
+
+    /// Heel and toe of a foot are one contact from the heel's first to the toe's last moment; what is no corner of a sole stays, and so
+    /// does a sole that is named itself.
+    #[test]
+    fn corners_stand_for_their_sole() {
+        let site = |name: &str, z: f64| Site { name: name.into(), link: 1, at: Vec3::z() * z };
+        let links = vec![
+            Link::new("hips", None, Vec3::zeros(), Joint::Free),
+            Link::new("foot", Some(0), -Vec3::y(), Joint::Spherical),
+        ];
+        let skeleton =
+            Skeleton::new(links).unwrap().with_sites(vec![site("heel", -0.1), site("toe", 0.2)]).unwrap();
+        let sole =
+            Sole { name: "leg".into(), link: 1, corners: vec![(1, Vec3::z() * -0.1), (1, Vec3::z() * 0.2)] };
+        let of =
+            |point: &str, from_s, to_s| Contact { point: point.into(), from_s, to_s, world_from_point: None };
+        let others = [of("hand", 0.2, 0.4)];
+        let feet = [of("heel", 0.0, 0.5), of("toe", 0.1, 0.7), of("heel", 1.0, 1.2), of("toe", 1.3, 1.5)];
+        let plan = ContactPlan::new([&others[..], &feet].concat()).unwrap();
+        let soles = [sole];
+        let found = by_soles(&plan, &skeleton, &soles);
+        let times: Vec<(f64, f64)> = found.of("leg").map(|c| (c.from_s, c.to_s)).collect();
+        assert_eq!(times, [(0.0, 0.7), (1.0, 1.2), (1.3, 1.5)]);
+        assert_eq!(found.points(), ["hand", "leg"]);
+        let named = ContactPlan::new([&others[..], &[of("leg", 0.0, 1.0)], &feet].concat()).unwrap();
+        assert_eq!(by_soles(&named, &skeleton, &soles), named);
+        assert!(by_soles(&ContactPlan::default(), &skeleton, &soles).is_empty());
+    }
 }

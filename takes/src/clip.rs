@@ -21,7 +21,7 @@ use motion::{Clip, Cycle, Floor, Kinematics, TimeMap};
 use scenes::StripSpec;
 use scenes::library::{self, Kind};
 use scenes::scene::{self, Scene, SceneEdit};
-use scenes::{ConditionsSpec, SceneError, Source as Text, TuneSpec, character_file, contact_file};
+use scenes::{ConditionsSpec, SceneError, Source as Text, TuneSpec, character_file};
 
 use crate::clip_edits::{self, Clips};
 use crate::conditions::begin_in_time;
@@ -273,7 +273,11 @@ pub(crate) fn take(
         None => (take, 0.0),
     };
     let mut take = match &ask.contacts {
-        Some(file) => contacts_given(take, file)?,
+        Some(file) => {
+            let mut take = take;
+            take.give_contacts(file)?;
+            take
+        }
         None => stand_throughout(take, &shown)?,
     };
     if !ask.no_edits {
@@ -325,17 +329,6 @@ fn frames_of((from, to): (f64, f64), clip: &Clip, shown: &str) -> Result<Range<u
         return Err(TakeError::Span { path: shown.into(), from, to, duration_s });
     }
     Ok(frame(from)..(frame(to) + 1).min(clip.frames()))
-}
-
-/// A take whose contacts a person says.
-fn contacts_given(mut take: Take, file: &Path) -> Result<Take, TakeError> {
-    let names = take.contact_points();
-    let names: Vec<&str> = names.iter().map(String::as_str).collect();
-    let asked = &mut take.asked;
-    asked.contacts = contact_file::read_plan(file, &names, asked.clip.duration_s())?;
-    asked.contacts_given = true;
-    take.files.push(file.to_owned());
-    Ok(take)
 }
 
 /// A clip that stands from beginning to end, its root not pinned, is performed on planted feet.

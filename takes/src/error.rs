@@ -93,7 +93,7 @@ pub enum TakeError {
     },
     /// Contacts for what has its own.
     #[error(
-        "{path}: --contacts is for clips; a script says itself what stands, a retargeted motion takes `contacts: \"FILE.ron\"`"
+        "{path}: --contacts is for clips, and for retargeted motion with --foresight; a script says itself what stands, and the steps of a retargeted motion are changed with `contacts: \"FILE.ron\"`"
     )]
     Contacts {
         /// The scene.

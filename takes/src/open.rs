@@ -72,7 +72,13 @@ fn of_scene_in(mut scene: Scene, ask: &Ask, opening: &Opening) -> Result<Take, T
     if !ask.edits.is_empty() {
         return Err(TakeError::Edits { path: scene.source.path().display().to_string() });
     }
-    if ask.contacts.is_some() && !matches!(scene.motion, SceneSource::Clip(_)) {
+    let steps = match &scene.motion {
+        SceneSource::Clip(_) => true,
+        // its own `contacts` are of its points; those of a motion made possible have places as well
+        SceneSource::Retarget(_) => ask.foresight.is_some(),
+        SceneSource::Script(_) => false,
+    };
+    if ask.contacts.is_some() && !steps {
         return Err(TakeError::Contacts { path: scene.source.path().display().to_string() });
     }
     if ask.loop_s.is_some() && !matches!(scene.motion, SceneSource::Clip(_)) {

@@ -3,12 +3,14 @@
 //! In: a [`Take`] whose feet stand and step as its contacts say. Out: what is possible of it: the plan and the clip, the same
 //! for scripts, clips and retargeted characters.
 
+use bodies::Character;
 use controllers::stepping::{Measures, Possible, possible};
 use dynamics::Model;
 use dynamics::analysis::smoothed;
 use dynamics::conditions::RootMode;
+use motion::contacts::by_soles;
 use motion::ik::IkError;
-use motion::{Floor, Vec3};
+use motion::{Floor, Sole, Vec3};
 
 use crate::limited::within_limits;
 use crate::standing::contacts;
@@ -23,7 +25,7 @@ impl Take {
     pub fn possible(&self) -> Result<Option<Possible>, IkError> {
         let asked = &self.asked;
         let physics = &self.conditions.physics;
-        let character = &self.body.character;
+        let character = self.loaded();
         let Some(floor) = physics.ground else { return Ok(None) };
         if !self.stands_level() {
             return Ok(None);
@@ -36,10 +38,21 @@ impl Take {
         }
         // a height that was given is the stance's; one that was found is that of the soles
         let given_height = asked.stance.as_ref().is_some_and(|s| s.ground_m == floor.height_m);
-        let found = contacts(character, &asked.clip).1.filter(|_| !given_height);
+        let found = contacts(&character, &asked.clip).1.filter(|_| !given_height);
         let ground = (found.unwrap_or(floor.height_m), floor.friction);
-        let given = asked.contacts_given;
-        possible(character, &asked.clip, &asked.contacts, given, ground, physics.gravity).map(Some)
+        // contacts of a capture are found, and give way to forces; those of a retargeted motion are what it was made with
+        let given = asked.contacts_given || matches!(self.source, Source::Retarget(_));
+        // characters that are not human have their contacts by points
+        let soles: Vec<Sole> = character.leg_soles().into_iter().map(|(_, sole)| sole).collect();
+        let plan = by_soles(&asked.contacts, &character.skeleton, &soles);
+        possible(&character, &asked.clip, &plan, given, ground, physics.gravity).map(Some)
+    }
+
+    /// The body with what it carries all the time and knows of: a weight in the hand shifts the centre of mass that feet bear.
+    fn loaded(&self) -> Character {
+        let end_s = self.asked.clip.duration_s();
+        let loads = self.conditions.carried.iter().filter(|c| c.known && c.at(0.0) && c.to_s >= end_s);
+        self.body.character.carrying(loads.map(|c| &c.what))
     }
 
     /// Whether it is performed by looking ahead: a clip or a retargeted motion over ground, its root free, that no planted feet carry
@@ -51,8 +64,9 @@ impl Take {
         c.foresight.is_some() && free && sampled && self.asked.plants.is_empty()
     }
 
-    /// The motion of a take that looks ahead, made possible, or, where [`Take::possible`] has nothing to say, smoothed as inverse dynamics
-    /// smooths it: noise of markers is no motion, and muscles that follow it shake. Other takes stay as they are.
+    /// The motion of a take that looks ahead, made possible, or, where [`Take::possible`] has nothing to say of a capture, smoothed as inverse
+    /// dynamics smooths it: noise of markers is no motion, and muscles that follow it shake. Other takes, and retargeted characters
+    /// without soles, whose motion has no noise and was refined already, stay as they are.
     ///
     /// # Errors
     /// Legs that two-bone IK cannot solve.
@@ -63,8 +77,10 @@ impl Take {
         if let (take, Some(_)) = self.made_possible()? {
             return Ok(take);
         }
-        let model = Model::new(&self.body.character, self.conditions.physics.gravity);
-        (self.asked.clip, _, _) = within_limits(smoothed(&model, &self.asked.clip));
+        if self.clip_source().is_some() {
+            let model = Model::new(&self.body.character, self.conditions.physics.gravity);
+            (self.asked.clip, _, _) = within_limits(smoothed(&model, &self.asked.clip));
+        }
         Ok(self)
     }
 

@@ -6,7 +6,7 @@
 //! Nobody downstream asks where a motion came from: reports, figures, passes and studies read [`Take::asked`],
 //! [`Take::body`] and [`Take::conditions`].
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use bodies::Character;
@@ -20,8 +20,7 @@ use formats::bvh::ImportReport;
 use motion::stance::Stance;
 use motion::{Clip, ContactPlan, Cycle, Kinematics, Plant, Shape, TimeMap, Tracks};
 use retarget::contacts::Phase;
-use scenes::StripSpec;
-use scenes::TuneSpec;
+use scenes::{SceneError, StripSpec, TuneSpec, contact_file};
 use sim::{Outcome, Pass};
 
 use crate::Conditions;
@@ -158,16 +157,35 @@ impl Take {
         }
     }
 
-    /// Names of the points that may stand: its legs that end in soles, and what its contacts name besides.
+    /// Names of the points that may stand: its legs that end in soles, and what its contacts name besides; of a retargeted motion those of
+    /// its contacts.
     pub fn contact_points(&self) -> Vec<String> {
         let legs = self.body.character.leg_soles();
-        let mut names: Vec<String> = legs.iter().map(|(limb, _)| limb.name.clone()).collect();
+        let mut names: Vec<String> = match self.source {
+            Source::Retarget(_) => Vec::new(),
+            Source::Script | Source::Clip(_) => legs.iter().map(|(limb, _)| limb.name.clone()).collect(),
+        };
         for point in self.asked.contacts.points() {
             if !names.iter().any(|n| n == point) {
                 names.push(point.to_owned());
             }
         }
         names
+    }
+
+    /// Has it stand as a file says: a `contacts.ron` of an earlier run, edited.
+    ///
+    /// # Errors
+    /// Anything wrong with the file, at its place.
+    pub(crate) fn give_contacts(&mut self, file: &Path) -> Result<(), SceneError> {
+        let mut names = self.contact_points();
+        let legs = self.body.character.leg_soles();
+        names.extend(legs.iter().map(|(limb, _)| limb.name.clone()));
+        let names: Vec<&str> = names.iter().map(String::as_str).collect();
+        self.asked.contacts = contact_file::read_plan(file, &names, self.asked.clip.duration_s())?;
+        self.asked.contacts_given = true;
+        self.files.push(file.to_owned());
+        Ok(())
     }
 
     /// Whether it is a clip as it was captured, without edits.

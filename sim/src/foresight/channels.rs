@@ -1,7 +1,7 @@
 //! Channels: which joints a search moves, and how far.
 //!
 //! In: a character, its plan. Out: one [`Channel`] per degree of freedom that may be offset: the joints of the chains from the root to what
-//! stands, the first two joints of a trunk, shoulders. A body without any of these moves what it has.
+//! stands, the first two joints of a trunk, shoulders. A body that stands on its root, as a lamp on its plate, moves what it has.
 //!
 //! A muscle of stiffness K answers an offset δ of its target with the torque K δ. Deviations are those of tension 1, over the tension, so that
 //! the torques are of the same size at any. A lower tension means larger offsets, not weaker ones.
@@ -66,6 +66,9 @@ pub(super) fn of(character: &Character, model: &Model, plan: &Plan) -> Vec<Chann
                 MIDDLE
             };
         }
+    }
+    if supports.contains(&0) {
+        deviations.iter_mut().skip(1).filter(|d| **d == 0.0).for_each(|d| *d = MIDDLE);
     }
     for limb in character.skeleton.limbs().iter().filter(|l| l.kind != LimbKind::Leg) {
         let b = body(limb.upper);

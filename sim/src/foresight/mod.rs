@@ -82,7 +82,7 @@ pub struct Used {
 impl Used {
     /// RMS of the offsets over rows and channels, rad; zero of none.
     pub fn offset_rms(&self) -> f64 {
-        let sum: f64 = self.offsets.iter().map(|x| x * x).sum();
+        let sum = self.offsets.iter().fold(0.0, |sum, x| sum + x * x);
         (sum / self.offsets.len().max(1) as f64).sqrt()
     }
 

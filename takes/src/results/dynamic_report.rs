@@ -241,8 +241,9 @@ impl DynamicReport {
         let mut worst = counted.clone();
         worst.sort_by(|a, b| b.rms_deg.total_cmp(&a.rms_deg));
         let simulated = o.trace.rows().saturating_sub(1) as f64 / t.rate_hz;
+        let foresight = ForesightReport::new(take, o);
         Self {
-            verdict: VerdictReport::new(&take.verdict(o)),
+            verdict: VerdictReport::new(&take.verdict(o), foresight.as_ref()),
             performed_s: t.rows().saturating_sub(1) as f64 / t.rate_hz,
             rate_hz: t.rate_hz,
             substeps: t.substeps,
@@ -302,7 +303,7 @@ impl DynamicReport {
                 .collect(),
             gazes: GazeReport::of(&take.conditions.gazes, t),
             reactive: o.reactive.clone(),
-            foresight: ForesightReport::new(take, o),
+            foresight,
             engine: o.ledger.as_ref().map(|l| EngineReport::new(l, t.rate_hz, c.mass() * t.gravity.norm())),
         }
     }

@@ -35,6 +35,10 @@ pub struct ForesightReport {
     pub lost: Option<String>,
     /// While it kept its feet: RMS distance of link centres of mass from the motion asked for, mm.
     pub links_rms_mm: f64,
+    /// The largest distance of the root along the ground from where it is asked, mm.
+    pub away_mm: f64,
+    /// Length of the way asked of the root along the ground, m.
+    pub way_m: f64,
     /// Mean slip of a stance, mm.
     pub slip_mm: f64,
     /// Largest slip of a stance, mm.
@@ -46,6 +50,15 @@ pub struct ForesightReport {
 }
 
 impl ForesightReport {
+    /// How much foresight had to do, and how far the motion strayed, in words: what a verdict says of it.
+    pub(crate) fn words(&self) -> String {
+        let how = if self.replayed { "replayed: offsets moved" } else { "foresight moved" };
+        format!(
+            "{how} targets by {:.1}° RMS, links strayed {:.0} mm RMS",
+            self.offset_rms_deg, self.links_rms_mm
+        )
+    }
+
     /// Of a run; `None` where foresight was not asked for or slept.
     pub(crate) fn new(take: &Take, outcome: &Outcome) -> Option<Self> {
         let used = outcome.foresight.as_ref()?;
@@ -64,6 +77,8 @@ impl ForesightReport {
             kept_s: walked.kept_s,
             lost: walked.lost.as_ref().map(|(_, loss)| loss.to_string()),
             links_rms_mm: walked.links_mm,
+            away_mm: 1e3 * walked.away_m,
+            way_m: walked.way_m,
             slip_mm: walked.slip_mm(),
             slip_mm_max: walked.slips_mm.iter().fold(0.0, |a: f64, b| a.max(*b)),
             peak_bw: walked.peak,

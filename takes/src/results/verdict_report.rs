@@ -1,9 +1,12 @@
 //! How a motion was performed, as `report.json` gives it under `dynamic.verdict`.
 //!
-//! In: a [`Verdict`], see [`dynamics::verdict`]. Out: a [`VerdictReport`]. The words are those of the verdict.
+//! In: a [`Verdict`], see [`dynamics::verdict`]. Out: a [`VerdictReport`]. The words are those of the verdict; where a body
+//! looked ahead, how much that had to do comes after them.
 
 use dynamics::verdict::{Reason, Verdict};
 use serde::Serialize;
+
+use crate::results::foresight_report::ForesightReport;
 
 /// A verdict.
 #[derive(Clone, Debug, Serialize)]
@@ -35,7 +38,8 @@ pub struct ReasonReport {
 }
 
 impl VerdictReport {
-    pub(crate) fn new(verdict: &Verdict) -> Self {
+    /// Of a run, and how much foresight had to do in it.
+    pub(crate) fn new(verdict: &Verdict, foresight: Option<&ForesightReport>) -> Self {
         let reason = |r: &Reason| ReasonReport {
             reason: r.name(),
             text: r.to_string(),
@@ -46,7 +50,10 @@ impl VerdictReport {
         };
         Self {
             grade: verdict.grade().name(),
-            text: verdict.to_string(),
+            text: match foresight {
+                Some(foresight) => format!("{verdict}; {}", foresight.words()),
+                None => verdict.to_string(),
+            },
             reasons: verdict.reasons.iter().map(reason).collect(),
         }
     }

@@ -90,7 +90,7 @@ pub(crate) fn take(
             clip = held;
         }
     }
-    let take = Take {
+    let mut take = Take {
         name: scene.name.clone(),
         body: Body {
             character: session.actor.puppet.character.clone(),
@@ -130,6 +130,9 @@ pub(crate) fn take(
     let (length, steps_hz) = (take.asked.clip.duration_s(), take.control_rate_hz());
     if length * steps_hz.max(take.asked.clip.rate_hz) > MOST_STEPS {
         return Err(scene.source.error("motion", too_long(length, steps_hz)));
+    }
+    if let Some(file) = &ask.contacts {
+        take.give_contacts(file)?;
     }
     begin_in_time(scene, [done_s(&take), length], "the motion is as long as its performance")?;
     Ok(take)
