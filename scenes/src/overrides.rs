@@ -6,6 +6,7 @@
 use std::ops::RangeInclusive;
 use std::str::FromStr;
 
+use bodies::soles::{Pads, Toes};
 use bodies::{Character, Prop};
 pub use controllers::Strategy;
 use dynamics::RootMode;
@@ -13,7 +14,8 @@ pub use dynamics::RootName;
 use motion::Kinematics;
 use motion::names::Word;
 
-use crate::conditions::{ConditionsSpec, Physics};
+use crate::conditions::{ConditionsSpec, Physics, SoleKind, ToesKind};
+pub use crate::conditions::{SoleName, ToesName};
 use crate::props::prop_of;
 use crate::{Patch, SceneError};
 
@@ -125,6 +127,10 @@ pub struct Overrides {
     pub props: Vec<Prop>,
     /// Let links touch each other.
     pub self_collision: bool,
+    /// What the soles are; pads have the file's numbers where it has some.
+    pub soles: Option<SoleName>,
+    /// What the toes do; those that bend have the file's numbers where it has some.
+    pub toes: Option<ToesName>,
 }
 
 /// Reads a part of a clip: `FROM..TO` in seconds.
@@ -176,6 +182,16 @@ impl Overrides {
             physics.substeps = Some(n.clamp(*SUBSTEPS.start(), *SUBSTEPS.end()));
         }
         physics.past_fall |= self.past_fall;
+        physics.soles = match (self.soles, physics.soles) {
+            (None, file) | (Some(SoleName::Pads), file @ Some(SoleKind::Pads(_))) => file,
+            (Some(SoleName::Pads), _) => Some(SoleKind::Pads(Pads::default())),
+            (Some(SoleName::Rigid), _) => Some(SoleKind::Rigid),
+        };
+        physics.toes = match (self.toes, physics.toes) {
+            (None, file) | (Some(ToesName::Bend), file @ Some(ToesKind::Bend(_))) => file,
+            (Some(ToesName::Bend), _) => Some(ToesKind::Bend(Toes::default())),
+            (Some(ToesName::Welded), _) => Some(ToesKind::Welded),
+        };
         for &strategy in &self.without {
             physics.balance = physics.balance.without(strategy);
         }
