@@ -4,7 +4,7 @@
 //! its pose, velocity, drives, stops and wrenches are those of a body with rigid soles, and what touches a pad touches its foot. So controllers, recorders,
 //! plans of contacts and files do not know of the parts; [`Engine::whole`], [`Engine::momentum`] and [`Engine::energy`] have them.
 //!
-//! The law is that of muscles: every part has a [`Drive`] at rest at zero, which each engine integrates as it does drives (implicit springs in
+//! The law is that of muscles: every part has a [`Drive`], which each engine integrates as it does drives (implicit springs in
 //! rapier and the core, MuJoCo's own), re-based every control step. Where a pad's travel ends its stop acts beside it. Between pad and ground contacts are as
 //! they always are.
 
@@ -24,7 +24,7 @@ impl From<SolesError> for EngineError {
 
 /// The drive of a part.
 pub(crate) fn drive(part: &Part) -> Drive {
-    Drive { stiffness: part.stiffness, damping: part.damping, rest: Rest::Scalar(0.0) }
+    Drive { stiffness: part.stiffness, damping: part.damping, rest: Rest::Scalar(part.rest) }
 }
 
 /// The same engine, with soles that yield.
@@ -66,7 +66,7 @@ impl Yielding {
         q: &[f64],
         v: &[f64],
     ) -> Result<Self, EngineError> {
-        let OnSoles { character: whole, parts } = OnSoles::new(character, &soles)?;
+        let OnSoles { character: whole, parts, .. } = OnSoles::new(character, &soles)?;
         let gravity = settings.gravity;
         let model = Model::new(character, gravity);
         let (mut q, mut v) = (q.to_vec(), v.to_vec());

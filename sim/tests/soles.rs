@@ -77,6 +77,11 @@ fn engines() -> [EngineEntry; 2] {
     [rapier::engine(), core::engine()]
 }
 
+/// How far the pads hang below the sole, m: half of what one foot gives way under the block.
+fn sag() -> f64 {
+    0.5 * MASS * 9.80665 / (2.0 * PAD.stiffness_n_m)
+}
+
 /// Vertical force of the last step, N.
 fn force(engine: &dyn Engine) -> f64 {
     let mut all = Vec::new();
@@ -85,7 +90,7 @@ fn force(engine: &dyn Engine) -> f64 {
     all.iter().map(|c| c.force.y).sum()
 }
 
-/// A block on two pads sinks by m g / (2 k), whatever the step, and its contacts are those of its foot.
+/// A block on the two pads of one foot sinks by m g / (2 k) from where they touch, whatever the step, and its contacts are those of its foot.
 #[test]
 fn a_block_sinks_by_its_weight_over_the_stiffness_of_its_pads() {
     for entry in engines() {
@@ -96,8 +101,8 @@ fn a_block_sinks_by_its_weight_over_the_stiffness_of_its_pads() {
                 engine.step().unwrap();
             }
             let sunk = HALF[1] - engine.q()[1];
-            // what lies on the pads: the pads themselves do not weigh on their springs
-            let asked = 0.9 * MASS * G / (2.0 * PAD.stiffness_n_m);
+            // the pads themselves do not weigh on their springs, and hang below the sole where nothing presses them
+            let asked = 0.9 * MASS * G / (2.0 * PAD.stiffness_n_m) - sag();
             let pads = &engine.whole().0[7..];
             println!(
                 "{} {rate_hz} Hz, {substeps}: {:.4} mm of {:.4}, pads {:.4} {:.4}, {:.2} N",
@@ -130,7 +135,8 @@ fn by_hand(mass: f64, stiffness: f64, damping: f64, speed: f64) -> (f64, f64) {
 /// A block that lands flat has the peak force of a mass on two springs and dampers.
 #[test]
 fn a_block_lands_as_a_mass_on_a_spring_and_a_damper() {
-    let speed = 0.4;
+    let (height, thrown) = (0.005, 0.25_f64);
+    let speed = (thrown * thrown + 2.0 * G * height).sqrt();
     let (peak, deepest) = by_hand(0.9 * MASS, 2.0 * PAD.stiffness_n_m, 2.0 * PAD.damping_n_s_m, speed);
     for entry in engines() {
         for (rate_hz, substeps, tolerance) in [(240.0, 2, 0.15), (960.0, 4, 0.05)] {
@@ -138,13 +144,16 @@ fn a_block_lands_as_a_mass_on_a_spring_and_a_damper() {
             let mut engine =
                 placed(&entry, PADS, settings(rate_hz, substeps), (height, Vec3::zeros(), speed));
             let (mut most, mut low) = (0.0_f64, 0.0_f64);
-            for step in 0..(0.06 * rate_hz) as usize {
+            let mut touched = 0;
+            for _ in 0..(0.12 * rate_hz) as usize {
                 engine.step().unwrap();
+                let now = force(engine.as_ref());
+                touched += usize::from(now > 0.0);
                 // the pads themselves stop within a step: their momentum is not the spring's
-                if step as f64 / rate_hz > 0.005 {
-                    most = most.max(force(engine.as_ref()));
+                if touched as f64 / rate_hz > 0.005 {
+                    most = most.max(now);
                 }
-                low = low.max(HALF[1] - engine.q()[1]);
+                low = low.max(HALF[1] - engine.q()[1] + sag());
             }
             println!(
                 "{} {rate_hz} Hz, {substeps}: {most:.0} N of {peak:.0}, {:.2} mm of {:.2}",
@@ -158,12 +167,13 @@ fn a_block_lands_as_a_mass_on_a_spring_and_a_damper() {
     }
 }
 
-/// On its heel edge a rigid block lands at least twice as hard.
+/// On its heel edge a rigid block lands at least half as hard again.
 #[test]
 fn a_rigid_block_lands_harder() {
     for entry in engines() {
         let peak = |soles: Soles| {
-            let mut engine = placed(&entry, soles, settings(240.0, 2), (1e-4, Vec3::new(0.2, 0.0, 0.0), 0.8));
+            let mut engine =
+                placed(&entry, soles, settings(240.0, 2), (sag(), Vec3::new(0.2, 0.0, 0.0), 0.8));
             (0..60)
                 .map(|_| {
                     engine.step().unwrap();
@@ -173,7 +183,7 @@ fn a_rigid_block_lands_harder() {
         };
         let (soft, hard) = (peak(PADS), peak(Soles::default()));
         println!("{}: {soft:.0} N, rigid {hard:.0} N", entry.name());
-        assert!(hard > 2.0 * soft, "{hard} {soft}");
+        assert!(hard > 1.5 * soft, "{hard} {soft}");
     }
 }
 
@@ -189,7 +199,7 @@ fn no_energy_comes_from_nothing() {
                 Vec3::new(-0.5, 0.3, 0.2),
                 Vec3::new(0.9, 0.0, -0.4),
             ] {
-                let mut engine = placed(&entry, soles, settings(240.0, 2), (0.12, turn, 0.3));
+                let mut engine = placed(&entry, soles, settings(240.0, 2), (0.12 + sag(), turn, 0.3));
                 let on = OnSoles::new(&block(), &soles).unwrap();
                 let model = Model::new(&on.character, Vec3::new(0.0, -G, 0.0));
                 let mut state = State::new(&model);
@@ -202,7 +212,8 @@ fn no_energy_comes_from_nothing() {
                         else {
                             unreachable!()
                         };
-                        0.5 * part.stiffness * x * x + 0.5 * part.stop * (x - r.clamp(*x)).powi(2)
+                        0.5 * part.stiffness * (x - part.rest).powi(2)
+                            + 0.5 * part.stop * (x - r.clamp(*x)).powi(2)
                     });
                     kinetic + potential + springs.sum::<f64>()
                 };
@@ -215,8 +226,6 @@ fn no_energy_comes_from_nothing() {
                 }
                 let speed = engine.v().iter().fold(0.0_f64, |a, v| a.max(v.abs()));
                 println!("{} {turn:?}: gains {gained:.2e} J at most, {speed:.1e} at the end", entry.name());
-                // of the 47 J of the fall; 0.024 J seen. A stop is met by the step after the one that passes it: toes on which the block comes down at
-                // 50° gain ½ k (v dt)² there, 0.19 J seen
                 // of the 47 J of the fall. 1e-8 J seen in the core; rapier's own impacts gain 0.73 J of a rigid block, 0.024 J of one on pads,
                 // 0.63 J of toes on which a corner of it comes down
                 let allowed = if engine.name() == core::NAME { 1e-6 } else { 1.0 };

@@ -200,6 +200,7 @@ impl Searching {
             ..of.engine.clone()
         };
         let on = OnSoles::new(of.body, of.soles).map_err(EngineError::from)?;
+        let on = if of.engine.self_collision { on } else { on.on_edges() };
         let (mut q, mut v) = (goal.pose(0).to_vec(), goal.velocity(0).to_vec());
         q.resize(on.character.skeleton.nq(), 0.0);
         v.resize(on.character.skeleton.nv(), 0.0);

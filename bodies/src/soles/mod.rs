@@ -14,11 +14,15 @@
 //!            |  heel  |      |  ball  |toe|        with toes: ball up to the hinge, which is where the rig's is
 //! ```
 
+mod foot;
+
 use motion::skeleton::SkeletonError;
-use motion::{Joint, Limits, Link, Quat, Range, Shape, Skeleton, Sole, Transform, Vec3};
+use motion::{Joint, Limits, Link, Quat, Range, Shape, Skeleton, Vec3};
 use nalgebra::Matrix3;
 use std::sync::Arc;
 use thiserror::Error;
+
+use foot::{Foot, HINGES};
 
 use crate::character::{Body, Character, CharacterError, JointClass};
 use crate::mass::fuse;
@@ -64,11 +68,11 @@ pub struct Soles {
 }
 
 impl Default for Pads {
-    /// Bare feet of adults: `docs/WALKING.md` has the sources.
+    /// Feet of adults under loads of walking: `docs/WALKING.md` has the sources.
     fn default() -> Self {
         Self {
-            heel: Pad { stiffness_n_m: 5e4, damping_n_s_m: 220.0, travel_m: 0.0113, compact_n_m: 2e5 },
-            ball: Pad { stiffness_n_m: 1.1e5, damping_n_s_m: 320.0, travel_m: 0.01, compact_n_m: 2e5 },
+            heel: Pad { stiffness_n_m: 5e4, damping_n_s_m: 500.0, travel_m: 0.0113, compact_n_m: 2e5 },
+            ball: Pad { stiffness_n_m: 1.1e5, damping_n_s_m: 1100.0, travel_m: 0.01, compact_n_m: 2e5 },
         }
     }
 }
@@ -77,6 +81,14 @@ impl Default for Toes {
     /// Of walking adults: `docs/WALKING.md` has the sources.
     fn default() -> Self {
         Self { stiffness_nm_rad: 30.0, damping_nm_s_rad: 0.5 }
+    }
+}
+
+impl Pads {
+    /// How far the pads of two feet give way under a body of a weight (N) that stands on them, m: so far they hang below a rigid sole when nothing
+    /// presses them, and who stands has the height of one on rigid soles.
+    pub fn sag_m(&self, weight_n: f64) -> f64 {
+        0.5 * weight_n / (self.heel.stiffness_n_m + self.ball.stiffness_n_m)
     }
 }
 
@@ -148,8 +160,12 @@ pub struct Part {
     pub stiffness: f64,
     /// Damping of its joint, N·s/m or N·m·s/rad.
     pub damping: f64,
+    /// Where its spring rests, m or rad.
+    pub rest: f64,
     /// Stiffness of the stops of its joint, beside that of its spring, N/m or N·m/rad.
     pub stop: f64,
+    /// The lower corners of its outer edge (the rear one of the heel, else the front one), in the frame of its link, m.
+    pub edge: [Vec3; 2],
 }
 
 /// A body on soles that yield. See the module header.
@@ -159,14 +175,16 @@ pub struct OnSoles {
     pub character: Character,
     /// The parts, in the order of their links.
     pub parts: Vec<Part>,
+    /// Weight of the body, N.
+    weight_n: f64,
 }
 
+/// Standard gravity, m/s²: what tissue has grown under.
+const GRAVITY: f64 = 9.80665;
 /// Where the heel pad ends and the ball pad begins, from the heel, parts of the length of the box.
 const HEEL_TO: f64 = 0.35;
 /// See [`HEEL_TO`].
 const BALL_FROM: f64 = 0.55;
-/// Where the hinge of toes may be.
-const HINGES: Range = Range { lo: 0.6, hi: 0.9 };
 /// Mass of a pad over that of its foot: fat and skin under it, some 50 cm³.
 const PAD_MASS: f64 = 0.05;
 /// Mass of toes over that of their foot.
@@ -177,8 +195,6 @@ const HINGE_HEIGHT: f64 = 0.4;
 const TOES_BEND: Range = Range { lo: -0.3, hi: 1.2 };
 /// Stiffness of the stops of toes over that of their spring.
 const TOES_STOP: f64 = 3.0;
-/// Points and faces farther than this from the plane of a sole are not of it, m.
-const FLAT: f64 = 2e-3;
 
 impl OnSoles {
     /// The body on its soles.
@@ -187,7 +203,8 @@ impl OnSoles {
     /// [`SolesError`]: feet that are not boxes, numbers that no spring has.
     pub fn new(character: &Character, soles: &Soles) -> Result<Self, SolesError> {
         soles.check()?;
-        let mut made = Self { character: character.clone(), parts: Vec::new() };
+        let weight_n = GRAVITY * character.mass();
+        let mut made = Self { character: character.clone(), parts: Vec::new(), weight_n };
         if soles.are_rigid() {
             return Ok(made);
         }
@@ -222,6 +239,16 @@ impl OnSoles {
         Ok(made)
     }
 
+    /// The same body, its parts touching with the corners of their outer edges alone: what stands flat stands on the same polygon, at half the
+    /// price. For searches; between links that touch each other, corners would be bodies of their own.
+    pub fn on_edges(mut self) -> Self {
+        for part in &self.parts {
+            let point = |at: &Vec3| Shape::Sphere { center: *at, radius: 0.0 };
+            self.character.bodies[part.link].shapes = part.edge.iter().map(point).collect();
+        }
+        self
+    }
+
     /// Takes the parts of a foot out of its box.
     fn cut(
         &mut self,
@@ -236,18 +263,26 @@ impl OnSoles {
         self.character.bodies[foot.link].shapes.remove(foot.shape);
         match pads {
             Some(pads) => {
+                let rest = -pads.sag_m(self.weight_n);
                 let ball_from = BALL_FROM.min(end - 0.1);
-                for (word, pad, from, to) in
-                    [("heel_pad", &pads.heel, 0.0, HEEL_TO), ("ball_pad", &pads.ball, ball_from, end)]
-                {
+                for (word, pad, from, to, outward) in [
+                    ("heel_pad", &pads.heel, 0.0, HEEL_TO, -1.0),
+                    ("ball_pad", &pads.ball, ball_from, end, 1.0),
+                ] {
                     let (center, half) = foot.slice(from, to, foot.height);
                     let body = solid(PAD_MASS * whole, &half, &foot.rotation);
                     let joint = Joint::Prismatic(foot.up);
                     let mut link = Link::new(format!("{word}_{name}"), Some(foot.link), center, joint);
-                    link.limits = Some(Limits::Axis(Range::new(-pad.travel_m, pad.travel_m)));
+                    link.limits = Some(Limits::Axis(Range::new(rest - pad.travel_m, rest + pad.travel_m)));
                     let (stiffness, damping) = (pad.stiffness_n_m, pad.damping_n_s_m);
+                    let edge = foot.edge(&Vec3::zeros(), &half, outward);
                     let stop = (pad.compact_n_m - stiffness).max(0.0);
-                    self.add(links, link, body, Part { link: 0, foot: foot.link, stiffness, damping, stop });
+                    self.add(
+                        links,
+                        link,
+                        body,
+                        Part { link: 0, foot: foot.link, stiffness, damping, rest, stop, edge },
+                    );
                 }
             }
             // the rest of the box stays where it was
@@ -265,13 +300,19 @@ impl OnSoles {
             if let Shape::Box { center, .. } = &mut body.shapes[0] {
                 *center = body.com;
             }
+            let edge = foot.edge(&body.com, &half, 1.0);
             // positive bends up
             let joint = Joint::Revolute(foot.front.cross(&foot.up));
             let mut link = Link::new(format!("toes_{name}"), Some(foot.link), place, joint);
             link.limits = Some(Limits::Axis(TOES_BEND));
             let (stiffness, damping) = (toes.stiffness_nm_rad, toes.damping_nm_s_rad);
-            let stop = TOES_STOP * stiffness;
-            self.add(links, link, body, Part { link: 0, foot: foot.link, stiffness, damping, stop });
+            let (rest, stop) = (0.0, TOES_STOP * stiffness);
+            self.add(
+                links,
+                link,
+                body,
+                Part { link: 0, foot: foot.link, stiffness, damping, rest, stop, edge },
+            );
         }
     }
 
@@ -296,122 +337,6 @@ fn solid(mass: f64, half: &Vec3, rotation: &Quat) -> Body {
     let inertia = r.matrix() * own * r.matrix().transpose();
     let shapes = vec![Shape::Box { center: Vec3::zeros(), half: *half, rotation: *rotation }];
     Body { mass, com: Vec3::zeros(), inertia: (inertia + inertia.transpose()) * 0.5, shapes }
-}
-
-/// A foot that stands on a box. Directions are unit vectors of the frame of `link`.
-struct Foot {
-    link: usize,
-    /// Which of the link's shapes.
-    shape: usize,
-    rotation: Quat,
-    up: Vec3,
-    front: Vec3,
-    /// Middle of the lower rear edge.
-    heel: Vec3,
-    length: f64,
-    height: f64,
-    half: Vec3,
-    /// Axes of the box: across the sole, along the foot.
-    axes: [usize; 2],
-}
-
-impl Foot {
-    fn of(character: &Character, sole: &Sole) -> Result<Self, SolesError> {
-        let k = motion::Kinematics::new(&character.skeleton, &character.rest);
-        let corners = sole.in_link(&k);
-        let flat = |found: String| SolesError::NotFlat { foot: sole.name.clone(), found };
-        let (at, mut up) =
-            plane(&corners).ok_or_else(|| flat(format!("{} points in a line", corners.len())))?;
-        let off = corners.iter().map(|c| (c - at).dot(&up).abs()).fold(0.0, f64::max);
-        if off > FLAT {
-            return Err(flat(format!("one is {:.0} mm out of their plane", 1e3 * off)));
-        }
-        // the ankle is over the sole
-        if at.dot(&up) > 0.0 {
-            up = -up;
-        }
-        let back = k.world[sole.link].inverse();
-        let mut found = Vec::new();
-        for (link, body) in character.bodies.iter().enumerate() {
-            if character.skeleton.welded_to(link) != character.skeleton.welded_to(sole.link) {
-                continue;
-            }
-            let frame = back * k.world[link];
-            for (i, shape) in body.shapes.iter().enumerate() {
-                if shape.reach(&frame, &-up) > -at.dot(&up) - FLAT {
-                    found.push((link, i, *shape, frame));
-                }
-            }
-        }
-        let not_a_box = |found: String| SolesError::NotABox { foot: sole.name.clone(), found };
-        let [(link, shape, Shape::Box { center, half, rotation }, frame)] = found[..] else {
-            return Err(not_a_box(match found.len() {
-                0 => "no shapes".into(),
-                1 => "a shape that is no box".into(),
-                n => format!("{n} shapes"),
-            }));
-        };
-        // from here on in the frame of the link that has the box
-        let frame: Transform = frame;
-        let (up, at) = (frame.rotation.inverse() * up, frame.inverse().transform_point(&at.into()).coords);
-        let axis = |i: usize| rotation * Vec3::ith(i, 1.0);
-        let across =
-            (0..3).max_by(|&a, &b| axis(a).dot(&up).abs().total_cmp(&axis(b).dot(&up).abs())).unwrap_or(1);
-        let up = axis(across) * axis(across).dot(&up).signum();
-        let low = center - up * half[across];
-        if (low - at).dot(&up).abs() > FLAT || (0..3).all(|i| axis(i).dot(&up).abs() < 1.0 - 1e-3) {
-            return Err(not_a_box("a box that is turned against its sole, and no other shape,".into()));
-        }
-        let [a, b] = [(across + 1) % 3, (across + 2) % 3];
-        let along = if half[a] > half[b] { a } else { b };
-        // the ankle is nearer to the heel
-        let front = axis(along) * axis(along).dot(&(center - frame.inverse().translation.vector)).signum();
-        Ok(Self {
-            link,
-            shape,
-            rotation,
-            up,
-            front,
-            heel: low - front * half[along],
-            length: 2.0 * half[along],
-            height: 2.0 * half[across],
-            half,
-            axes: [across, along],
-        })
-    }
-
-    /// Centre and half edges of the part of the box between two parts of its length, `height` high.
-    fn slice(&self, from: f64, to: f64, height: f64) -> (Vec3, Vec3) {
-        let mut half = self.half;
-        half[self.axes[0]] = 0.5 * height;
-        half[self.axes[1]] = 0.5 * (to - from) * self.length;
-        (self.heel + self.front * (0.5 * (from + to) * self.length) + self.up * (0.5 * height), half)
-    }
-
-    /// Where the toes of the rig begin, from the heel, part of the length.
-    fn toes_at(&self, character: &Character) -> Option<f64> {
-        let skeleton = &character.skeleton;
-        let k = motion::Kinematics::new(skeleton, &character.rest);
-        let back = k.world[self.link].inverse();
-        let own = skeleton.welded_to(self.link);
-        let welded = |l: &usize| *l != own && skeleton.welded_to(*l) == own;
-        let at = |l: usize| (back * k.world[l]).translation.vector;
-        let along = (0..skeleton.links().len())
-            .filter(welded)
-            .map(|l| (at(l) - self.heel).dot(&self.front) / self.length);
-        along.filter(|x| HINGES.contains(*x)).min_by(f64::total_cmp)
-    }
-}
-
-/// Middle and normal of the plane nearest to some points; `None` for fewer than three, or for a line.
-fn plane(points: &[Vec3]) -> Option<(Vec3, Vec3)> {
-    let middle = points.iter().sum::<Vec3>() / points.len().max(1) as f64;
-    let spread: Matrix3<f64> = points.iter().map(|p| (p - middle) * (p - middle).transpose()).sum();
-    let eigen = spread.symmetric_eigen();
-    let mut order = [0, 1, 2];
-    order.sort_by(|&a, &b| eigen.eigenvalues[a].total_cmp(&eigen.eigenvalues[b]));
-    let wide = eigen.eigenvalues[order[1]] > 1e-6 && points.len() >= 3;
-    wide.then(|| (middle, eigen.eigenvectors.column(order[0]).into_owned().normalize()))
 }
 
 impl Soles {
@@ -478,6 +403,13 @@ mod tests {
             let Joint::Prismatic(axis) = link.joint else { panic!("{link:?}") };
             let k = motion::Kinematics::new(&c.skeleton, &c.rest);
             assert!((k.world[part.foot].rotation * axis - Vec3::y()).norm() < 1e-6, "{axis}"); // feet are flat at rest
+        }
+        // the edges are the corners of the soles
+        let k = motion::Kinematics::new(&on.character.skeleton, &on.character.rest);
+        let edges = on.parts.iter().flat_map(|part| part.edge.map(|at| k.point(part.link, &at)));
+        let corners: Vec<Vec3> = c.soles().iter().flat_map(|s| s.points(&k).collect::<Vec<_>>()).collect();
+        for edge in edges {
+            assert!(corners.iter().any(|corner| (corner - edge).norm() < 1e-9), "{edge} of {corners:?}");
         }
         // rigid soles are the character itself
         assert_eq!(OnSoles::new(&c, &Soles::default()).unwrap().character, c);
