@@ -214,6 +214,33 @@ impl Overrides {
 mod tests {
     use super::*;
 
+    /// A word of the command line goes before the file's; pads keep the numbers that the file has.
+    #[test]
+    fn soles_keep_the_numbers_of_the_file() {
+        let human = bodies::anthropometry::human::human().0;
+        let mut pads = Pads::default();
+        pads.heel.stiffness_n_m = 7e4;
+        let bend = Toes { stiffness_nm_rad: 9.0, ..Toes::default() };
+        let file = [(None, None), (Some(SoleKind::Pads(pads)), Some(ToesKind::Bend(bend)))];
+        let applied = |(soles, toes), asked: Overrides| {
+            let mut physics = Physics { soles, toes, ..Physics::of_clip() };
+            asked.apply(&mut physics, &human);
+            (physics.soles, physics.toes)
+        };
+        let asked = |soles, toes| Overrides { soles: Some(soles), toes: Some(toes), ..Overrides::default() };
+        for of_file in file {
+            assert_eq!(applied(of_file, Overrides::default()), of_file);
+            let hard = applied(of_file, asked(SoleName::Rigid, ToesName::Welded));
+            assert_eq!(hard, (Some(SoleKind::Rigid), Some(ToesKind::Welded)));
+        }
+        let soft = |of_file| applied(of_file, asked(SoleName::Pads, ToesName::Bend));
+        assert_eq!(
+            soft(file[0]),
+            (Some(SoleKind::Pads(Pads::default())), Some(ToesKind::Bend(Toes::default())))
+        );
+        assert_eq!(soft(file[1]), file[1]);
+    }
+
     #[test]
     fn roots_are_read_and_refused() {
         for free in ["free", "Free"] {
