@@ -11,6 +11,7 @@
 //! | [`density`] | mass and inertia of solids of even density |
 //! | [`mass`] | rigid bodies taken as one |
 //! | [`prop`] | boxes and ramps fixed in the world |
+//! | [`soles`] | pads and toes that yield under load |
 //! | [`self_collision`] | which shapes of a body may touch each other |
 //! | [`pose_map`] | poses between a clip's skeleton and a character's |
 //!
@@ -24,6 +25,7 @@ pub mod mass;
 pub mod pose_map;
 pub mod prop;
 pub mod self_collision;
+pub mod soles;
 
 pub use anthropometry::{BodyOptions, BodyReport, GuessError, guess_body, guess_body_of_clip};
 pub use carried::Carried;
@@ -31,3 +33,4 @@ pub use character::{Body, Character, CharacterError, JointClass};
 pub use pose_map::{PoseMap, PoseMapError};
 pub use prop::Prop;
 pub use self_collision::LinkCapsule;
+pub use soles::{OnSoles, Soles, SolesError};

@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 use clap::Args;
-use takes::overrides::{RATES, SUBSTEPS, Strategy, TENSIONS, props};
+use takes::overrides::{RATES, SUBSTEPS, SoleName, Strategy, TENSIONS, ToesName, props};
 use takes::{Overrides, Patch, SceneError};
 
 use crate::common_args::{number, whole};
@@ -33,6 +33,12 @@ pub struct PhysicsArgs {
     /// Let links touch each other
     #[arg(long)]
     pub self_collision: bool,
+    /// What the soles are, see docs/WALKING.md [default: the scene's; pads with --foresight, else rigid]
+    #[arg(long, value_name = "SOLES", value_parser = word::<SoleName>())]
+    pub soles: Option<SoleName>,
+    /// What the toes do, see docs/WALKING.md [default: the scene's; welded]
+    #[arg(long, value_name = "TOES", value_parser = word::<ToesName>())]
+    pub toes: Option<ToesName>,
 }
 
 impl PhysicsArgs {
@@ -49,6 +55,8 @@ impl PhysicsArgs {
             without: self.without.clone(),
             props: props(&self.props)?,
             self_collision: self.self_collision,
+            soles: self.soles,
+            toes: self.toes,
             ..Overrides::default()
         })
     }

@@ -339,6 +339,9 @@ fn performed(out: &mut String, d: &DynamicReport) -> std::fmt::Result {
     if let Some(f) = &d.foresight {
         foresight(out, f)?;
     }
+    if let Some(soles) = &d.soles {
+        line(out, "soles", soles.to_string())?;
+    }
     const SHOWN: usize = 8;
     for (i, text) in d.reactive.iter().take(SHOWN).enumerate() {
         line(out, if i == 0 { "program" } else { "" }, text.clone())?;

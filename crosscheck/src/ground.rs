@@ -61,6 +61,7 @@ pub fn standing_weight(bridge: &Shared, take: &Take) -> Result<Check, PassError>
             carried: Vec::new(),
             past_fall: false,
             foresight: None,
+            soles: take.soles(),
         }
     };
     let ours = still(take).run(&rapier::engine(), &mut |_| {})?.trace;

@@ -62,6 +62,7 @@ fn standing(reactive: Vec<Box<dyn Reactive>>) -> Run {
         carried: Vec::new(),
         past_fall: false,
         foresight: None,
+        soles: Default::default(),
     };
     pass.start(&EngineEntry::default()).unwrap()
 }

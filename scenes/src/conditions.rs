@@ -4,6 +4,7 @@
 //! motion's or the world's ([`Clock`]): an edit that retimes the motion moves the first and leaves the second.
 
 use bodies::Prop;
+use bodies::soles::{Pads, Toes};
 use controllers::{BalanceSettings, GainBlend, Gaze};
 use dynamics::conditions::Carrying;
 use dynamics::conditions::{GRAVITY, Push, RootMode};
@@ -40,6 +41,10 @@ pub struct Physics {
     pub balance: BalanceSettings,
     /// Go on after a fall, muscles and assist letting go, until the body rests; otherwise the run ends with the fall.
     pub past_fall: bool,
+    /// What the soles are; `None`: pads under a body that steps by looking ahead and can have them, else rigid.
+    pub soles: Option<SoleKind>,
+    /// What the toes do; `None`: they are welded.
+    pub toes: Option<ToesKind>,
 }
 
 impl Physics {
@@ -55,6 +60,8 @@ impl Physics {
             ground: Some(Floor::level(0.0, FRICTION)),
             balance: BalanceSettings::default(),
             past_fall: false,
+            soles: None,
+            toes: None,
         }
     }
 
@@ -63,6 +70,58 @@ impl Physics {
         let down = -self.gravity.y;
         (down > 0.0 && self.gravity.xz().norm() <= 1e-9 * down).then_some(down)
     }
+}
+
+/// What a sole is.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum SoleKind {
+    /// As hard as the engine's contacts.
+    Rigid,
+    /// Pads under heel and ball.
+    Pads(Pads),
+}
+
+/// The names of soles.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum SoleName {
+    /// [`SoleKind::Rigid`].
+    Rigid,
+    /// [`SoleKind::Pads`].
+    Pads,
+}
+
+impl Word for SoleName {
+    const KIND: &'static str = "sole";
+    const WORDS: &'static [(Self, &'static str, &'static str)] = &[
+        (Self::Rigid, "rigid", "As hard as the engine's contacts"),
+        (Self::Pads, "pads", "Pads under heel and ball that give way as tissue does"),
+    ];
+}
+
+/// What toes do.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum ToesKind {
+    /// They are parts of their foot.
+    Welded,
+    /// They bend about a hinge where the rig's toes begin.
+    Bend(Toes),
+}
+
+/// The names of what toes do.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum ToesName {
+    /// [`ToesKind::Welded`].
+    Welded,
+    /// [`ToesKind::Bend`].
+    Bend,
+}
+
+impl Word for ToesName {
+    const KIND: &'static str = "kind of toes";
+    const WORDS: &'static [(Self, &'static str, &'static str)] = &[
+        (Self::Welded, "welded", "They are parts of their foot"),
+        (Self::Bend, "bend", "They bend about a hinge where the rig's toes begin, held by a spring"),
+    ];
 }
 
 /// Whose time something keeps.

@@ -6,6 +6,7 @@
 use std::ops::RangeInclusive;
 use std::str::FromStr;
 
+use bodies::soles::{Pads, Toes};
 use bodies::{Character, Prop};
 pub use controllers::Strategy;
 use dynamics::RootMode;
@@ -13,7 +14,8 @@ pub use dynamics::RootName;
 use motion::Kinematics;
 use motion::names::Word;
 
-use crate::conditions::{ConditionsSpec, Physics};
+use crate::conditions::{ConditionsSpec, Physics, SoleKind, ToesKind};
+pub use crate::conditions::{SoleName, ToesName};
 use crate::props::prop_of;
 use crate::{Patch, SceneError};
 
@@ -125,6 +127,10 @@ pub struct Overrides {
     pub props: Vec<Prop>,
     /// Let links touch each other.
     pub self_collision: bool,
+    /// What the soles are; pads have the file's numbers where it has some.
+    pub soles: Option<SoleName>,
+    /// What the toes do; those that bend have the file's numbers where it has some.
+    pub toes: Option<ToesName>,
 }
 
 /// How long a clip may go on, s.
@@ -188,6 +194,16 @@ impl Overrides {
             physics.substeps = Some(n.clamp(*SUBSTEPS.start(), *SUBSTEPS.end()));
         }
         physics.past_fall |= self.past_fall;
+        physics.soles = match (self.soles, physics.soles) {
+            (None, file) | (Some(SoleName::Pads), file @ Some(SoleKind::Pads(_))) => file,
+            (Some(SoleName::Pads), _) => Some(SoleKind::Pads(Pads::default())),
+            (Some(SoleName::Rigid), _) => Some(SoleKind::Rigid),
+        };
+        physics.toes = match (self.toes, physics.toes) {
+            (None, file) | (Some(ToesName::Bend), file @ Some(ToesKind::Bend(_))) => file,
+            (Some(ToesName::Bend), _) => Some(ToesKind::Bend(Toes::default())),
+            (Some(ToesName::Welded), _) => Some(ToesKind::Welded),
+        };
         for &strategy in &self.without {
             physics.balance = physics.balance.without(strategy);
         }
@@ -209,6 +225,33 @@ impl Overrides {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    /// A word of the command line goes before the file's; pads keep the numbers that the file has.
+    #[test]
+    fn soles_keep_the_numbers_of_the_file() {
+        let human = bodies::anthropometry::human::human().0;
+        let mut pads = Pads::default();
+        pads.heel.stiffness_n_m = 7e4;
+        let bend = Toes { stiffness_nm_rad: 9.0, ..Toes::default() };
+        let file = [(None, None), (Some(SoleKind::Pads(pads)), Some(ToesKind::Bend(bend)))];
+        let applied = |(soles, toes), asked: Overrides| {
+            let mut physics = Physics { soles, toes, ..Physics::of_clip() };
+            asked.apply(&mut physics, &human);
+            (physics.soles, physics.toes)
+        };
+        let asked = |soles, toes| Overrides { soles: Some(soles), toes: Some(toes), ..Overrides::default() };
+        for of_file in file {
+            assert_eq!(applied(of_file, Overrides::default()), of_file);
+            let hard = applied(of_file, asked(SoleName::Rigid, ToesName::Welded));
+            assert_eq!(hard, (Some(SoleKind::Rigid), Some(ToesKind::Welded)));
+        }
+        let soft = |of_file| applied(of_file, asked(SoleName::Pads, ToesName::Bend));
+        assert_eq!(
+            soft(file[0]),
+            (Some(SoleKind::Pads(Pads::default())), Some(ToesKind::Bend(Toes::default())))
+        );
+        assert_eq!(soft(file[1]), file[1]);
+    }
 
     #[test]
     fn roots_are_read_and_refused() {

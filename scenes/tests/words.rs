@@ -9,8 +9,8 @@ use edits::{Direction, Reference};
 use motion::names::Word;
 use motion::{CurveName, LimbKind, Timing};
 use retarget::{MappingModel, PipelineStage, RefineDofs, RefineDofsName, SizeRatio, SizeRatioName};
-use scenes::conditions::{Clock, GroundName};
-use scenes::schema::{EditRon, GroundRon, MotionRon, RootRon, SceneRon};
+use scenes::conditions::{Clock, GroundName, SoleName, ToesName};
+use scenes::schema::{EditRon, GroundRon, MotionRon, RootRon, SceneRon, SolesRon, ToesRon};
 use scenes::{Source, character_file};
 
 /// Spellings of a name in RON, which has no hyphens in names.
@@ -95,6 +95,16 @@ fn a_scene_takes_every_word() {
     check::<GroundName>("world: (ground: WORD)", plane, |s| match s.world.ground.0 {
         GroundRon::None => GroundName::None,
         GroundRon::Plane(_) => GroundName::Plane,
+    });
+    let pads = |name| if name == SoleName::Pads { "(heel: (travel_m: 0.01))" } else { "" };
+    check::<SoleName>("physics: (soles: WORD)", pads, |s| match s.physics.soles.expect("soles").0 {
+        SolesRon::Rigid => SoleName::Rigid,
+        SolesRon::Pads(_) => SoleName::Pads,
+    });
+    let bend = |name| if name == ToesName::Bend { "()" } else { "" };
+    check::<ToesName>("physics: (toes: WORD)", bend, |s| match s.physics.toes.expect("toes").0 {
+        ToesRon::Welded => ToesName::Welded,
+        ToesRon::Bend(_) => ToesName::Bend,
     });
 }
 

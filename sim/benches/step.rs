@@ -78,6 +78,7 @@ fn whole(c: &Arc<Character>, scripted: bool) -> Run {
         carried: Vec::new(),
         past_fall: false,
         foresight: None,
+        soles: Default::default(),
     };
     pass.start(&EngineEntry::default()).unwrap()
 }

@@ -12,7 +12,7 @@ use std::sync::Arc;
 use bodies::{Character, Prop};
 use controllers::Drive;
 use controllers::stops::restoring_torque;
-use dynamics::{Against, Model, State, Wrench};
+use dynamics::{Against, Model, Momentum, State, Wrench};
 use motion::{Floor, Vec3};
 use thiserror::Error;
 
@@ -160,6 +160,22 @@ pub trait Engine: Send {
 
     /// Appends the contacts of the last step to `out`, in an order that depends on the state alone.
     fn contacts(&self, out: &mut Vec<ContactForce>);
+
+    /// Pose and velocity of all that it simulates: [`Engine::q`] and [`Engine::v`], followed by those of parts that
+    /// [`Engine::model`] does not have ([`crate::soles`]).
+    fn whole(&self) -> (&[f64], &[f64]) {
+        (self.q(), self.v())
+    }
+
+    /// Momentum of all that it simulates; `state` is of the present pose and velocity of [`Engine::model`].
+    fn momentum(&self, state: &State) -> Momentum {
+        state.momentum(self.model())
+    }
+
+    /// Kinetic and potential energy of all that it simulates, J; `state` is of the present pose and velocity of [`Engine::model`].
+    fn energy(&self, state: &State) -> (f64, f64) {
+        state.energy(self.model())
+    }
 
     /// What it did beyond the equations of motion, counted since it was built; `None` of an engine that does not count.
     fn ledger(&self) -> Option<&Ledger> {

@@ -14,6 +14,7 @@
 //! | [`foresight`] | rollouts in the core that choose offsets of targets |
 //! | [`ledger`] | what an engine did beyond the equations of motion |
 //! | [`pass`] | a whole run |
+//! | [`soles`] | any engine, with soles that yield |
 //! | `recorder` | the trace of a run, row by row |
 //! | `load` | masses carried, row by row |
 
@@ -27,6 +28,7 @@ mod load;
 pub mod pass;
 pub mod rapier;
 mod recorder;
+pub mod soles;
 
 pub use self::core::Core;
 pub use engine::{ContactForce, ContactLaw, Engine, EngineError, EngineSettings};

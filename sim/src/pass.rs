@@ -7,7 +7,7 @@
 use std::borrow::Cow;
 use std::time::Instant;
 
-use bodies::Prop;
+use bodies::{Prop, Soles};
 use controllers::assist::{Assist, Budget};
 use controllers::stops::STIFFNESS_RATIO;
 use controllers::{Controller, LegTension, Plan, Reactive, ReactiveError, Sagging, Setup};
@@ -74,6 +74,8 @@ pub struct Pass {
     pub past_fall: bool,
     /// Looks ahead where nothing else keeps a free body on its feet; `None` leaves it to muscles and contacts.
     pub foresight: Option<Foreseen>,
+    /// What the soles do under load.
+    pub soles: Soles,
 }
 
 /// What came of a run.
@@ -172,6 +174,8 @@ impl Pass {
             return Err(PassError::Overlap(found));
         }
         let load = Load::new(character.clone(), self.carried, rate_hz, goal.rows());
+        let engine =
+            if self.soles.are_rigid() { engine.clone() } else { crate::soles::entry(engine, self.soles) };
         let mut engine = engine.build(&load.character(), settings.clone(), &q, &v)?;
         let stops: Vec<f64> = controller.plan().scale.k1.iter().map(|k| k * STIFFNESS_RATIO).collect();
         engine.set_stops(&stops);
@@ -184,6 +188,7 @@ impl Pass {
                     engine: settings.clone(),
                     name: engine.name(),
                     stops: &stops,
+                    soles: &self.soles,
                 };
                 Some(Foresight::new(foreseen, &subject)?)
             }

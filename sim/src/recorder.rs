@@ -100,11 +100,11 @@ impl Recorder {
         t.v.extend_from_slice(engine.v());
         t.target.extend_from_slice(step.controller.goal().pose(step.row));
         record_joints(t, step);
-        let m = state.momentum(model);
+        let m = engine.momentum(state);
         t.com.extend_from_slice(m.com.as_slice());
         t.momentum.extend_from_slice(m.linear.as_slice());
         t.momentum.extend_from_slice(m.angular.as_slice());
-        let (kinetic, potential) = state.energy(model);
+        let (kinetic, potential) = engine.energy(state);
         t.energy.extend_from_slice(&[kinetic, potential]);
         for (link, body) in t.character.bodies.iter().enumerate() {
             t.link_com.extend_from_slice(state.point(model, link, &body.com).as_slice());

@@ -168,6 +168,7 @@ fn wave() -> Pass {
         carried: Vec::new(),
         past_fall: false,
         foresight: None,
+        soles: Default::default(),
     }
 }
 

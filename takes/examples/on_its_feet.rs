@@ -10,10 +10,11 @@ use controllers::Goal;
 use dynamics::analysis::smoothed;
 use dynamics::{Model, Trace, Walked};
 use motion::Kinematics;
+use motion::names::Word;
 use sim::Engines;
 use sim::foresight::{Foreseen, Settings};
 use std::path::{Path, PathBuf};
-use takes::overrides::RootChoice;
+use takes::overrides::{RootChoice, SoleName, ToesName};
 use takes::{Ask, Overrides, Take};
 
 struct Line {
@@ -69,13 +70,42 @@ fn capture_mm(take: &Take, trace: &Trace, until_s: f64) -> f64 {
     1e3 * (sum / f64::from(count.max(1))).sqrt()
 }
 
-fn perform(path: &Path, ask: &Ask) -> Result<Line, Box<dyn std::error::Error>> {
+/// Vertical force over time as CSV: s, body weights, mean over 20 ms, of all and of each leg's foot.
+fn vertical(trace: &Trace) -> String {
+    let model = Model::new(&trace.character, trace.gravity);
+    let weight = model.mass * trace.gravity.norm();
+    let feet: Vec<usize> = trace.character.legs().map(|l| model.body_of[l.end].0).collect();
+    let of_row = |row: usize| {
+        let of = |foot: &dyn Fn(usize) -> bool| {
+            let here = trace.contacts_in(row).iter().filter(|c| foot(model.body_of[c.link].0));
+            here.map(|c| c.force.y).sum::<f64>() / weight
+        };
+        let each = feet.iter().map(|foot| of(&|body| body == *foot));
+        std::iter::once(of(&|_| true)).chain(each).collect::<Vec<f64>>()
+    };
+    let rows: Vec<Vec<f64>> = (0..trace.rows()).map(of_row).collect();
+    let width = ((0.02 * trace.rate_hz).round() as usize).max(1);
+    let mut text = String::from("time_s,all_bw");
+    trace.character.legs().for_each(|l| text += &format!(",{}_bw", l.name));
+    for (i, window) in rows.windows(width).enumerate() {
+        text += &format!("\n{:.4}", (i as f64 + 0.5 * width as f64) / trace.rate_hz);
+        for k in 0..=feet.len() {
+            text += &format!(",{:.4}", window.iter().map(|r| r[k]).sum::<f64>() / width as f64);
+        }
+    }
+    text + "\n"
+}
+
+fn perform(path: &Path, ask: &Ask, forces: Option<&Path>) -> Result<Line, Box<dyn std::error::Error>> {
     let take = takes::open(path, ask)?;
     let started = cpu_s();
     let asked = asked_acceleration(&take);
     let rows = Goal::new(&take.asked.clip, take.control_rate_hz()).rows();
     let seconds = take.asked.clip.duration_s();
     let outcome = take.outcome(&Engines::default(), &mut |_| {})?;
+    if let Some(file) = forces {
+        std::fs::write(file, vertical(&outcome.trace))?;
+    }
     let walked = Walked::of(&outcome.trace, rows);
     Ok(Line {
         name: path.file_stem().unwrap_or_default().to_string_lossy().into_owned(),
@@ -120,6 +150,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let mut blind = false;
     let mut span_s = None;
     let (mut loop_s, mut edits) = (None, Vec::new());
+    let (mut soles, mut toes, mut forces) = (None, None, None);
     let mut args = std::env::args().skip(1);
     while let Some(arg) = args.next() {
         let mut value = || args.next().ok_or(format!("{arg} needs a value"));
@@ -148,6 +179,9 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
             "--loop" => loop_s = Some(value()?.parse()?),
             "--edit" => edits.push(value()?),
             "--off" => blind = true,
+            "--soles" => soles = Some(SoleName::find(&value()?).map_err(|e| e.to_string())?),
+            "--toes" => toes = Some(ToesName::find(&value()?).map_err(|e| e.to_string())?),
+            "--forces" => forces = Some(PathBuf::from(value()?)),
             "--until" => span_s = Some((0.0, value()?.parse()?)),
             _ => files.push(arg.into()),
         }
@@ -161,12 +195,14 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
                 tension: Some(tension),
                 substeps: Some(substeps),
                 span_s,
+                soles,
+                toes,
                 ..Overrides::default()
             };
             let foresight = (!blind).then_some(Foreseen::Search(Settings { seed, ..settings }));
             let (engine, edits) = (engine.clone(), edits.clone());
             let ask = Ask { overrides, foresight, engine, loop_s, edits, ..Ask::default() };
-            let line = perform(file, &ask)?;
+            let line = perform(file, &ask, forces.as_deref())?;
             print(&line, seed);
             lines.push(line);
         }

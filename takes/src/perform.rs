@@ -5,6 +5,7 @@
 
 use std::sync::Mutex;
 
+use bodies::{OnSoles, SolesError};
 use controllers::ReactiveError;
 use motion::ik::IkError;
 use motion::stance::StanceSpan;
@@ -55,6 +56,9 @@ pub enum PerformError {
     /// Joints that no muscle moves.
     #[error(transparent)]
     Slides(#[from] Slides),
+    /// Soles that the body cannot have.
+    #[error(transparent)]
+    Soles(#[from] SolesError),
     /// The pass.
     #[error(transparent)]
     Pass(#[from] PassError),
@@ -66,7 +70,8 @@ impl PerformError {
         let program = matches!(self, Self::Pass(PassError::Reactive(ReactiveError::Program { .. })));
         let replay = matches!(self, Self::Pass(PassError::Foresight(ForesightError::Replay(_))));
         let overlap = matches!(self, Self::Pass(PassError::Overlap(_)));
-        program || replay || overlap || matches!(self, Self::Engine(_) | Self::Slides(_))
+        let refused = matches!(self, Self::Engine(_) | Self::Slides(_) | Self::Soles(_));
+        program || replay || overlap || refused
     }
 }
 
@@ -158,6 +163,7 @@ impl Take {
     pub fn outcome(&self, engines: &Engines, progress: &mut dyn FnMut(f64)) -> Result<Outcome, PerformError> {
         let engine = self.engine(engines)?;
         self.check_performable()?;
+        OnSoles::new(&self.body.character, &self.soles())?;
         let mut outcome = self.pass().run(engine, progress)?;
         outcome.trace.colors.clone_from(&self.body.colors);
         outcome.trace.plan.clone_from(&self.asked.contacts);

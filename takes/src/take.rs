@@ -12,6 +12,7 @@ use std::sync::Arc;
 use bodies::Character;
 use bodies::anthropometry::BodyReport;
 use bodies::pose_map::PoseMap;
+use bodies::soles::{OnSoles, Pads, Soles};
 use controllers::{Dense, Goal, Reactive, Setup, Tunable};
 use dynamics::conditions::RootMode;
 use dynamics::verdict::{Reason, Verdict};
@@ -20,6 +21,7 @@ use formats::bvh::ImportReport;
 use motion::stance::Stance;
 use motion::{Clip, ContactPlan, Cycle, Kinematics, Plant, Shape, TimeMap, Tracks};
 use retarget::contacts::Phase;
+use scenes::conditions::{SoleKind, ToesKind};
 use scenes::{SceneError, StripSpec, TuneSpec, contact_file};
 use sim::{Outcome, Pass};
 
@@ -245,7 +247,26 @@ impl Take {
             carried: c.carried.clone(),
             past_fall: p.past_fall,
             foresight: c.foresight.clone(),
+            soles: self.soles(),
         }
+    }
+
+    /// What its soles do under load: what is asked for; where nothing is, pads of a body that looks ahead and can have them, and toes that
+    /// are welded.
+    pub fn soles(&self) -> Soles {
+        let p = &self.conditions.physics;
+        let pads = match p.soles {
+            Some(SoleKind::Pads(pads)) => Some(pads),
+            Some(SoleKind::Rigid) => None,
+            None => Some(Pads::default()).filter(|_| self.looks_ahead()).filter(|pads| {
+                OnSoles::new(&self.body.character, &Soles { pads: Some(*pads), toes: None }).is_ok()
+            }),
+        };
+        let toes = match p.toes {
+            Some(ToesKind::Bend(toes)) => Some(toes),
+            Some(ToesKind::Welded) | None => None,
+        };
+        Soles { pads, toes }
     }
 
     /// Whether the ground is under the planted feet as the motion begins. Where it is not, they are limbs in the air.

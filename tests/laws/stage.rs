@@ -57,6 +57,7 @@ pub fn follow(c: &Arc<Character>, clip: &Clip, gravity: Vec3, tension: f64, rate
         carried: Vec::new(),
         past_fall: false,
         foresight: None,
+        soles: Default::default(),
     }
 }
 
@@ -150,6 +151,7 @@ pub fn perform(c: &Arc<Character>, tracks: &Tracks, root: RootMode, rate_hz: f64
         carried: Vec::new(),
         past_fall: false,
         foresight: None,
+        soles: Default::default(),
     }
 }
 

@@ -3,16 +3,19 @@
 //! In: the words of [`crate::schema`]. Out: [`ConditionsSpec`] in SI units, or an error at the very value. Pushes, tilts and carried
 //! masses are in [`super::disturbances`], gazes and programs in [`super::reactive`].
 
+use bodies::soles::{Pad, Pads, Toes};
 use controllers::BalanceSettings;
 use dynamics::conditions::RootMode;
 use motion::{Floor, Vec3};
 
 use super::Check;
 use crate::SceneError;
-use crate::conditions::{ConditionsSpec, Physics};
+use crate::conditions::{ConditionsSpec, Physics, SoleKind, ToesKind};
 use crate::overrides::{RATES, SUBSTEPS, TENSIONS, set_fidelity};
 use crate::props::props;
-use crate::schema::{AssistRon, BalanceRon, GroundRon, PlaneRon, RootRon, SceneRon};
+use crate::schema::{
+    AssistRon, BalanceRon, GroundRon, PadRon, PhysicsRon, PlaneRon, RootRon, SceneRon, SolesRon, ToesRon,
+};
 
 impl Check<'_> {
     /// All conditions but those that a patch changes.
@@ -67,11 +70,62 @@ impl Check<'_> {
             ground: self.ground(&ron.world.ground.0)?,
             balance: self.balance(&ron.balance)?,
             past_fall: false,
+            soles: self.soles(p)?,
+            toes: self.toes(p)?,
         };
         if let RootRon::Fidelity(f) = ron.root.0 {
             set_fidelity(&mut physics, self.within("root", f, 0.0, 1.0, "")?, self.character);
         }
         Ok(physics)
+    }
+
+    fn soles(&self, ron: &PhysicsRon) -> Result<Option<SoleKind>, SceneError> {
+        let Some(soles) = ron.soles else { return Ok(None) };
+        let pad = |name: &str, ron: PadRon, usual: Pad| -> Result<Pad, SceneError> {
+            let within = |field: &str, x: Option<f64>, usual: f64, lo: f64, hi: f64, unit: &str| {
+                self.within(&format!("physics.soles.{name}.{field}"), x.unwrap_or(usual), lo, hi, unit)
+            };
+            let u = usual;
+            Ok(Pad {
+                stiffness_n_m: within("stiffness_n_m", ron.stiffness_n_m, u.stiffness_n_m, 1e2, 1e7, "N/m")?,
+                damping_n_s_m: within(
+                    "damping_n_s_m",
+                    ron.damping_n_s_m,
+                    u.damping_n_s_m,
+                    1.0,
+                    1e5,
+                    "N·s/m",
+                )?,
+                travel_m: within("travel_m", ron.travel_m, u.travel_m, 1e-4, 0.1, "m")?,
+                compact_n_m: within("compact_n_m", ron.compact_n_m, u.compact_n_m, 1e2, 1e7, "N/m")?,
+            })
+        };
+        let usual = Pads::default();
+        Ok(Some(match soles.0 {
+            SolesRon::Rigid => SoleKind::Rigid,
+            SolesRon::Pads(ron) => SoleKind::Pads(Pads {
+                heel: pad("heel", ron.heel, usual.heel)?,
+                ball: pad("ball", ron.ball, usual.ball)?,
+            }),
+        }))
+    }
+
+    fn toes(&self, ron: &PhysicsRon) -> Result<Option<ToesKind>, SceneError> {
+        let Some(toes) = ron.toes else { return Ok(None) };
+        let ToesRon::Bend(ron) = toes.0 else { return Ok(Some(ToesKind::Welded)) };
+        let usual = Toes::default();
+        let stiffness = ron.stiffness_nm_rad.unwrap_or(usual.stiffness_nm_rad);
+        let damping = ron.damping_nm_s_rad.unwrap_or(usual.damping_nm_s_rad);
+        Ok(Some(ToesKind::Bend(Toes {
+            stiffness_nm_rad: self.within("physics.toes.stiffness_nm_rad", stiffness, 0.1, 1e4, "N·m/rad")?,
+            damping_nm_s_rad: self.within(
+                "physics.toes.damping_nm_s_rad",
+                damping,
+                1e-3,
+                1e3,
+                "N·m·s/rad",
+            )?,
+        })))
     }
 
     fn ground(&self, ron: &GroundRon) -> Result<Option<Floor>, SceneError> {

@@ -14,7 +14,7 @@ use serde::de::{self, Deserializer, SeqAccess, VariantAccess, Visitor};
 
 use super::edits::ArgumentRon;
 use super::word::{self, Named, NamedWith, Variants};
-use crate::conditions::{Clock, GroundName, PropName};
+use crate::conditions::{Clock, GroundName, PropName, SoleName, ToesName};
 
 /// Gravity and ground.
 #[derive(Clone, Debug, Deserialize)]
@@ -277,12 +277,90 @@ pub struct PhysicsRon {
     pub tension: f64,
     /// What transitions interpolate.
     pub blend: Named<GainBlend>,
+    /// What the soles are; by default pads under a body that steps by looking ahead, else rigid.
+    pub soles: Option<NamedWith<SolesRon>>,
+    /// What the toes do; by default they are welded.
+    pub toes: Option<NamedWith<ToesRon>>,
 }
 
 impl Default for PhysicsRon {
     fn default() -> Self {
-        Self { rate_hz: None, substeps: None, tension: 1.0, blend: Named::default() }
+        Self { rate_hz: None, substeps: None, tension: 1.0, blend: Named::default(), soles: None, toes: None }
     }
+}
+
+/// What the soles are.
+#[derive(Clone, Copy, Debug)]
+pub enum SolesRon {
+    /// As hard as the engine's contacts.
+    Rigid,
+    /// Pads under heel and ball.
+    Pads(PadsRon),
+}
+
+impl Variants for SolesRon {
+    type Name = SoleName;
+
+    fn variant<'de, A: VariantAccess<'de>>(name: SoleName, data: A) -> Result<Self, A::Error> {
+        match name {
+            SoleName::Rigid => data.unit_variant().map(|()| Self::Rigid),
+            SoleName::Pads => word::fields(data).map(Self::Pads),
+        }
+    }
+}
+
+/// The pads of a foot; by default those of bare adult feet.
+#[derive(Clone, Copy, Debug, Default, Deserialize)]
+#[serde(deny_unknown_fields, rename = "Pads", default)]
+pub struct PadsRon {
+    /// Under the heel.
+    pub heel: PadRon,
+    /// Under the ball.
+    pub ball: PadRon,
+}
+
+/// A spring and a damper; what is left out is that of the default.
+#[derive(Clone, Copy, Debug, Default, Deserialize)]
+#[serde(deny_unknown_fields, rename = "pad", default)]
+pub struct PadRon {
+    /// Stiffness, N/m.
+    pub stiffness_n_m: Option<f64>,
+    /// Damping, N·s/m.
+    pub damping_n_s_m: Option<f64>,
+    /// How far it gives way before its tissue is compact, m.
+    pub travel_m: Option<f64>,
+    /// Stiffness beyond that, N/m.
+    pub compact_n_m: Option<f64>,
+}
+
+/// What the toes do.
+#[derive(Clone, Copy, Debug)]
+pub enum ToesRon {
+    /// They are parts of their foot.
+    Welded,
+    /// They bend about a hinge.
+    Bend(BendRon),
+}
+
+impl Variants for ToesRon {
+    type Name = ToesName;
+
+    fn variant<'de, A: VariantAccess<'de>>(name: ToesName, data: A) -> Result<Self, A::Error> {
+        match name {
+            ToesName::Welded => data.unit_variant().map(|()| Self::Welded),
+            ToesName::Bend => word::fields(data).map(Self::Bend),
+        }
+    }
+}
+
+/// The hinge of toes; what is left out is that of the default.
+#[derive(Clone, Copy, Debug, Default, Deserialize)]
+#[serde(deny_unknown_fields, rename = "Bend", default)]
+pub struct BendRon {
+    /// Stiffness, N·m/rad.
+    pub stiffness_nm_rad: Option<f64>,
+    /// Damping, N·m·s/rad.
+    pub damping_nm_s_rad: Option<f64>,
 }
 
 /// The balance of a standing body.

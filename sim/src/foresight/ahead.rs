@@ -3,6 +3,7 @@
 //! In: a plan. Out: for every row up to the horizon the drives that the plan gives without any answer to the state, and an [`Asked`]: places
 //! and momenta of the motion asked for. Rows are worked out once, and kept while they are within the horizon.
 
+use bodies::soles::Part;
 use controllers::{Controller, Drive, Goal, Plan};
 use dynamics::{Model, State};
 use motion::skeleton::quat_at;
@@ -71,8 +72,10 @@ pub(super) struct Ahead {
 }
 
 impl Ahead {
-    /// Memory for `rows` rows from now on.
-    pub(super) fn new(plan: &Plan, model: &Model, supports: Vec<usize>, rows: usize) -> Self {
+    /// Memory for `rows` rows from now on; `parts` of the soles have the same drives in all of them, after those of the joints.
+    pub(super) fn new(plan: &Plan, model: &Model, supports: Vec<usize>, rows: usize, parts: &[Part]) -> Self {
+        let joints = std::iter::repeat_n(Drive::NONE, model.bodies.len());
+        let drives: Vec<Drive> = joints.chain(parts.iter().map(crate::soles::drive)).collect();
         Self {
             controller: Controller::unanswering(plan.clone()),
             state: State::new(model),
@@ -81,7 +84,7 @@ impl Ahead {
             rows: Rows {
                 goal: plan.goal.clone(),
                 root_at: model.bodies[0].q_at + 3,
-                drives: vec![vec![Drive::NONE; model.bodies.len()]; rows + 1],
+                drives: vec![drives; rows + 1],
                 asked: vec![Asked::default(); rows + 1],
             },
             model: model.clone(),
@@ -105,7 +108,7 @@ impl Ahead {
             let goal = &rows.goal;
             let drives = controller.step(row, goal.pose(row - 1), goal.velocity(row - 1))?;
             let at = row % rows.drives.len();
-            rows.drives[at].copy_from_slice(drives);
+            rows.drives[at][..drives.len()].copy_from_slice(drives);
             state.update(model, goal.pose(row), goal.velocity(row));
             let m = state.momentum(model);
             rows.asked[at] = Asked {

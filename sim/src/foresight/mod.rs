@@ -34,12 +34,12 @@ mod spline;
 
 use std::sync::Arc;
 
-use bodies::Character;
+use bodies::{Character, OnSoles, Soles};
 use controllers::{Controller, Plan};
 use dynamics::{Model, State};
 
 use crate::core::Core;
-use crate::{Engine, EngineSettings};
+use crate::{Engine, EngineError, EngineSettings};
 use ahead::Ahead;
 use cost::Cost;
 use search::{Question, Search};
@@ -115,6 +115,8 @@ pub(crate) struct Subject<'a> {
     pub(crate) name: &'a str,
     /// Stiffness of its stops, N·m/rad.
     pub(crate) stops: &'a [f64],
+    /// What its soles do under load.
+    pub(crate) soles: &'a Soles,
 }
 
 impl Foresight {
@@ -197,8 +199,14 @@ impl Searching {
             contact: crate::ContactLaw::Stiff,
             ..of.engine.clone()
         };
-        let mut core = Core::new(of.body, coarse, goal.pose(0), goal.velocity(0))?;
-        core.set_stops(of.stops);
+        let on = OnSoles::new(of.body, of.soles).map_err(EngineError::from)?;
+        let on = if of.engine.self_collision { on } else { on.on_edges() };
+        let (mut q, mut v) = (goal.pose(0).to_vec(), goal.velocity(0).to_vec());
+        q.resize(on.character.skeleton.nq(), 0.0);
+        v.resize(on.character.skeleton.nv(), 0.0);
+        let mut core = Core::new(&on.character, coarse, &q, &v)?;
+        let stops: Vec<f64> = of.stops.iter().copied().chain(on.parts.iter().map(|p| p.stop)).collect();
+        core.set_stops(&stops);
         core.set_effort(settings.effort);
         let mut state = State::new(model);
         state.update(model, &of.body.rest, &vec![0.0; model.nv()]);
@@ -206,7 +214,7 @@ impl Searching {
         let height = (state.com(model).y - lowest).max(LEAST_HEIGHT);
         Ok(Self {
             cost: Cost::new(&settings.scales, model, height, &supports),
-            ahead: Ahead::new(of.plan, model, supports, window * settings.windows()),
+            ahead: Ahead::new(of.plan, model, supports, window * settings.windows(), &on.parts),
             search: Search::new(core, &settings, channels.len()),
             since: None,
             from: Knot::zero(channels.len()),
@@ -241,7 +249,8 @@ impl Searching {
         let last = (row + self.window * windows).min(self.ahead.rows().count() - 1);
         self.ahead.reach(last)?;
         std::mem::swap(&mut self.from, &mut self.to);
-        self.search.core().place(engine.q(), engine.v());
+        let (q, v) = engine.whole();
+        self.search.core().place(q, v);
         self.next.resize(windows, Knot::zero(self.channels.len()));
         let question = Question {
             settings: &self.settings,

@@ -25,7 +25,7 @@ pub struct Replay {
 pub enum ReplayError {
     /// Found for something else.
     #[error(
-        "the offsets to be replayed were found for another input ({found:016x}; this one is {needed:016x}): motion, body, muscles, ground, rate, substeps and engine have to be the same"
+        "the offsets to be replayed were found for another input ({found:016x}; this one is {needed:016x}): motion, body, soles, muscles, ground, rate, substeps and engine have to be the same"
     )]
     Input {
         /// Number of the input they were found for.
@@ -94,6 +94,9 @@ pub(super) fn input(of: &Subject<'_>, model: &Model) -> u64 {
     }
     for body in &of.body.bodies {
         body.shapes.iter().for_each(|shape| hash.text(&format!("{shape:?}")));
+    }
+    if !of.soles.are_rigid() {
+        hash.text(&format!("{:?}", of.soles));
     }
     hash.0.value()
 }

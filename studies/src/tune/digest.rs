@@ -17,6 +17,7 @@
 //! option a count of 0 or 1 before the value, a list its length before the values, a named value its name. Structures are taken
 //! apart field by field, so a field that is added does not compile before it has a place here.
 
+use bodies::soles::{Pad, Pads, Toes};
 use bodies::{Body, Carried, Character, Prop};
 use controllers::{BalanceSettings, Gaze, GazeSettings};
 use dynamics::conditions::Carrying;
@@ -27,7 +28,7 @@ use motion::{
     Tilt, Tracks, Value, Vec3,
 };
 use motion::{Link, Transform};
-use scenes::conditions::Physics;
+use scenes::conditions::{Physics, SoleKind, ToesKind};
 use sim::foresight::{self, Foreseen};
 use takes::{Conditions, Take};
 
@@ -368,9 +369,36 @@ fn gaze(d: &mut Digest, gaze: &Gaze) {
 }
 
 fn physics(d: &mut Digest, physics: &Physics) {
-    let Physics { rate_hz, substeps, tension, blend, root, gravity, ground, balance: settings, past_fall } =
-        physics;
+    let Physics {
+        rate_hz,
+        substeps,
+        tension,
+        blend,
+        root,
+        gravity,
+        ground,
+        balance: settings,
+        past_fall,
+        soles,
+        toes,
+    } = physics;
     d.count(usize::from(*past_fall));
+    d.option(soles.as_ref(), |d, soles| match soles {
+        SoleKind::Rigid => d.count(0),
+        SoleKind::Pads(Pads { heel, ball }) => {
+            d.count(1);
+            for Pad { stiffness_n_m, damping_n_s_m, travel_m, compact_n_m } in [heel, ball] {
+                d.numbers([stiffness_n_m, damping_n_s_m, travel_m, compact_n_m]);
+            }
+        }
+    });
+    d.option(toes.as_ref(), |d, toes| match toes {
+        ToesKind::Welded => d.count(0),
+        ToesKind::Bend(Toes { stiffness_nm_rad, damping_nm_s_rad }) => {
+            d.count(1);
+            d.numbers([stiffness_nm_rad, damping_nm_s_rad]);
+        }
+    });
     d.option(rate_hz.as_ref(), |d, x| d.number(*x));
     d.option(substeps.as_ref(), |d, n| d.count(*n));
     d.number(*tension);

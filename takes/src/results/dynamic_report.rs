@@ -17,6 +17,7 @@ use crate::results::feet::{FeetReport, feet};
 use crate::results::foresight_report::ForesightReport;
 use crate::results::gaze_report::GazeReport;
 use crate::results::root_report::RootWrench;
+use crate::results::soles_report::SolesReport;
 use crate::results::touch_report::{TouchReport, touched};
 use crate::results::verdict_report::VerdictReport;
 
@@ -31,6 +32,9 @@ pub struct DynamicReport {
     pub rate_hz: f64,
     /// Engine substeps per control step.
     pub substeps: usize,
+    /// What the soles did under load; absent of rigid ones with toes welded to them.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub soles: Option<SolesReport>,
     /// Factor on every tension.
     pub tension: f64,
     /// Simulated time over wall time.
@@ -247,6 +251,7 @@ impl DynamicReport {
             performed_s: t.rows().saturating_sub(1) as f64 / t.rate_hz,
             rate_hz: t.rate_hz,
             substeps: t.substeps,
+            soles: Some(take.soles()).filter(|s| !s.are_rigid()).map(|s| SolesReport::new(&s)),
             tension: take.conditions.physics.tension,
             realtime_factor: simulated / t.wall_s.max(1e-9),
             fell: o.fell_s.is_some(),

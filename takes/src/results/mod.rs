@@ -8,6 +8,7 @@
 //! | [`disturbance_report`] | disturbances and falls, as reports give them |
 //! | [`gaze_report`] | how far gazes missed |
 //! | [`foresight_report`] | what foresight did, and how the body walked |
+//! | [`soles_report`] | what the soles were |
 //! | [`touch_report`] | what else than the ground was touched |
 //! | [`analysis_report`], [`analysis_figures`], [`analysis_write`] | the numbers of an analysis, its figures, its folder |
 //! | [`feet`] | how feet moved over the ground |
@@ -26,6 +27,7 @@ pub mod foresight_report;
 pub mod gaze_report;
 pub mod report;
 mod root_report;
+pub mod soles_report;
 pub mod subject_report;
 pub mod touch_report;
 pub mod verdict_report;
