@@ -61,7 +61,7 @@ pub use crate::tune_args::TuneArgs;
 #[derive(Debug, Subcommand)]
 pub enum Command {
     /// Perform a scene or a clip and write clips, trace, report and plots
-    Render(RenderArgs),
+    Render(Box<RenderArgs>),
     /// Say what is in a scene, a character or a clip
     Inspect(InspectArgs),
     /// Draw figures of a trace or a clip

@@ -96,6 +96,8 @@ mod tests {
             unexplained: 0.0,
             acceleration: 0.0,
             peak: 1.0,
+            away_m: 0.0,
+            way_m: 1.0,
         }
     }
 
