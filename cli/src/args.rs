@@ -61,7 +61,7 @@ pub use crate::tune_args::TuneArgs;
 #[derive(Debug, Subcommand)]
 pub enum Command {
     /// Perform a scene or a clip and write clips, trace, report and plots
-    Render(RenderArgs),
+    Render(Box<RenderArgs>),
     /// Say what is in a scene, a character or a clip
     Inspect(InspectArgs),
     /// Draw figures of a trace or a clip
@@ -140,6 +140,9 @@ pub struct RenderArgs {
     /// Edit a clip first, in the words of a scene: 'Succession(offset_s: 0.08)'; may be given several times
     #[arg(long, value_name = "EDIT", conflicts_with = "no_edits")]
     pub edit: Vec<String>,
+    /// Push a body, as a scene has it: '(link: "chest", impulse_ns: 20, towards_deg: 90, start_s: 1.5)'; may be given several times
+    #[arg(long = "push", value_name = "PUSH", conflicts_with = "kinematic")]
+    pub pushes: Vec<String>,
     /// Write the motion asked for, without physics
     #[arg(long)]
     pub kinematic: bool,
@@ -183,6 +186,7 @@ Examples:
   contrapposto render gestures.bvh --root free --span 2.5..7
   contrapposto render walk.bvh --root free --tension 2 --foresight on
   contrapposto render walk.bvh --root free --tension 2 --foresight on --loop 20
+  contrapposto render walk.bvh --root free --tension 2 --foresight on --push '(link: \"Spine1\", impulse_ns: 20, towards_deg: 90, start_s: 1.5)'
   contrapposto render walk.bvh --root free --tension 2 --replay out/walk/foresight.npz --out out/again
   contrapposto render walk.bvh --units 0.01 --up y --tension 4
   contrapposto inspect walk.bvh --write-body body.ron && contrapposto render walk.bvh --body body.ron
@@ -227,6 +231,7 @@ impl RenderArgs {
             import: self.clip.import(),
             loop_s: self.loop_s,
             edits: self.edit.clone(),
+            pushes: self.pushes.clone(),
             contacts: self.contacts.clone(),
             no_edits: self.no_edits,
             foresight: self.foresight.and_then(Choice::settings).map(Foreseen::Search),
@@ -292,6 +297,15 @@ pub struct CrosscheckArgs {
     /// Patch of tension and balance, as `tune` writes it
     #[arg(long, value_name = "FILE.ron")]
     pub patch: Option<PathBuf>,
+    /// What holds the root, as in render; a clip with --root free that steps is performed on its own feet in three engines
+    #[arg(long, value_name = "ROOT")]
+    pub root: Option<RootChoice>,
+    /// Factor on every tension: 1 leaves them, 2 is twice as stiff
+    #[arg(long, value_name = "X", value_parser = crate::physics_args::tension, allow_negative_numbers = true)]
+    pub tension: Option<f64>,
+    /// How a clip with --root free that steps looks ahead: off, on, draft or SECONDS,ROLLOUTS
+    #[arg(long, value_name = "FORESIGHT", default_value = "on", requires = "root")]
+    pub foresight: Choice,
     /// Random states only: neither motion nor contact
     #[arg(long)]
     pub states_only: bool,
@@ -332,6 +346,7 @@ const CROSSCHECK_EXAMPLES: &str = "\
 Examples:
   contrapposto crosscheck scenes/bow.ron
   contrapposto crosscheck scenes/stand.ron --push-map --directions 4 --tolerance 5
+  contrapposto crosscheck walk.bvh --root free --tension 2
   contrapposto crosscheck scenes/reach.ron --states-only --states 5000 --seed 7
   contrapposto crosscheck humanoid.xml --dynamics-only
   contrapposto crosscheck humanoid.xml --dynamics-only --against heavier.xml
@@ -345,7 +360,7 @@ Files written into DIR:
   crosscheck.html   the table with overlay plots
   crosscheck.json   the table for machines, see docs/CROSSCHECK.md
   crosscheck.txt    the table as text
-  trace.npz, core/trace.npz, mujoco/trace.npz   a standing scene in each engine: contrapposto plot DIR --what contact
+  trace.npz, core/trace.npz, mujoco/trace.npz   a standing scene, or a clip that steps, in each engine: contrapposto plot DIR --what contact
   plots/            the figures, each as .svg and .png
 
 Exit codes: 0 all checks pass, 1 a check fails or an engine does, 2 something is wrong with the input.";

@@ -3,6 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use crosscheck::{CrossCheck, Event, Options, report, results};
+use takes::foresight::Foreseen;
 use takes::results::folder::Folder;
 
 use crate::args::CrosscheckArgs;
@@ -29,6 +30,9 @@ pub fn run(args: &CrosscheckArgs) -> Result<(), Failure> {
         inject: args.inject.clone(),
         states_only: args.states_only,
         push_map: args.push_map.then(|| args.settings()),
+        root: args.root,
+        tension: args.tension,
+        foresight: args.foresight.settings().filter(|_| args.root.is_some()).map(Foreseen::Search),
         patch: crate::args::patch(args.patch.as_deref()).map_err(Failure::input)?,
     };
     let mut part = "";

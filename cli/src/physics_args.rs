@@ -70,7 +70,8 @@ pub fn patch(path: Option<&std::path::Path>) -> Result<Option<Patch>, SceneError
     path.map(Patch::read).transpose()
 }
 
-fn tension(text: &str) -> Result<f64, String> {
+/// A factor on tensions.
+pub fn tension(text: &str) -> Result<f64, String> {
     number(text, *TENSIONS.start(), *TENSIONS.end(), "")
 }
 

@@ -10,6 +10,7 @@
 //! In: a [`Plan`], then the state every step. Out: drives, and where the body sags. No engine; time is the
 //! row of the goal. DESIGN §4.
 
+use dynamics::digest::Digest;
 use dynamics::{ContactSample, Model, State};
 
 use crate::balance::Balance;
@@ -72,6 +73,16 @@ impl Controller {
     pub fn unanswering(mut plan: Plan) -> Self {
         plan.planted = None;
         Self::new(plan, Vec::new())
+    }
+
+    /// Whether reactive properties beside the balance answer the state.
+    pub fn answers(&self) -> bool {
+        !self.reactive.is_empty()
+    }
+
+    /// Adds what names its reactive properties beside the balance to a digest.
+    pub fn identify_reactive(&self, digest: &mut Digest) {
+        digest.list(&self.reactive, |d, property| property.identify(d));
     }
 
     /// What is stepped.

@@ -9,6 +9,7 @@
 
 use std::path::PathBuf;
 
+use dynamics::digest::Digest;
 use dynamics::{ContactSample, Model, State};
 use motion::ik::IkError;
 use motion::{Joint, Vec3};
@@ -82,6 +83,9 @@ pub trait Reactive: Send {
     /// # Errors
     /// Limbs that two-bone IK cannot solve; programs of the user that fail.
     fn react(&mut self, step: &ControlStep<'_>, drives: &mut [Drive]) -> Result<(), ReactiveError>;
+
+    /// Adds to `digest` all that its answers depend on beside the steps: settings and memory.
+    fn identify(&self, digest: &mut Digest);
 
     /// What it did in the run so far, a line each, for reports.
     fn lines(&self) -> Vec<String> {

@@ -9,6 +9,7 @@
 //! | [`rigid`] | masses, mass matrix, forces, momenta, energies at random states |
 //! | [`forward`] | motion without contacts, order of convergence |
 //! | [`ground`] | contact: boxes, standing, a scene on its feet |
+//! | [`stepping`](mod@stepping) | a motion that steps, performed free in three engines |
 //! | [`push`] | the push-recovery map in both engines |
 //! | [`inject`] | faults put in on purpose |
 //! | [`check`], [`report`], [`results`] | a row of the table; the table as text, page and JSON; its folder |
@@ -29,6 +30,7 @@ pub mod push;
 pub mod report;
 pub mod results;
 pub mod rigid;
+pub mod stepping;
 pub mod subject;
 
 pub use check::Check;

@@ -22,13 +22,14 @@ use motion::{Quat, Vec3};
 use scenes::Patch;
 use scenes::library::{self, Kind};
 use scenes::overrides::{Overrides, RootChoice};
+use sim::foresight::Foreseen;
 use studies::push::PushSettings;
 use takes::{Ask, Take, TakeError};
 
 use crate::box_contact::{self, LandingRun};
 use crate::bridge::{Bridge, Shared, Source, lock};
 use crate::check::Check;
-use crate::engine::engine;
+use crate::engine::{engine, engine_in, standing};
 use crate::environment;
 use crate::error::CrossCheckError;
 use crate::forward::{self, ForwardRun};
@@ -36,6 +37,7 @@ use crate::ground::{self, SceneRun};
 use crate::inject::{Injection, InjectionError};
 use crate::push::{self, PushMaps};
 use crate::rigid::{self, Compared, LARGEST, OFF, Pair};
+use crate::stepping::stepping;
 
 /// How to cross-check.
 #[derive(Clone, Debug)]
@@ -56,6 +58,12 @@ pub struct Options {
     pub push_map: Option<PushSettings>,
     /// Patch of tension and balance, for a scene.
     pub patch: Option<Patch>,
+    /// What holds the root, other than the file says.
+    pub root: Option<RootChoice>,
+    /// Factor on every tension.
+    pub tension: Option<f64>,
+    /// How a free body that steps looks ahead.
+    pub foresight: Option<Foreseen>,
 }
 
 impl Default for Options {
@@ -67,6 +75,9 @@ impl Default for Options {
             against: None,
             inject: Vec::new(),
             patch: None,
+            root: None,
+            tension: None,
+            foresight: None,
             states_only: false,
             push_map: None,
         }
@@ -93,7 +104,7 @@ pub struct CrossCheck {
     pub forward: Option<ForwardRun>,
     /// The landing box.
     pub landing: Option<LandingRun>,
-    /// The scene on its feet.
+    /// The scene on its feet, or the motion that steps.
     pub scene: Option<SceneRun>,
     /// Push-recovery maps.
     pub push: Option<PushMaps>,
@@ -245,7 +256,7 @@ impl Subject {
 
 fn open(path: &Path, options: &Options) -> Result<Subject, CrossCheckError> {
     let path = &library::resolve(path, &[Kind::Scene, Kind::Character]).map_err(TakeError::from)?;
-    let take = || Ok(Subject::Take(Box::new(take_of(path, None, options)?)));
+    let take = || Ok(Subject::Take(Box::new(take_of(path, options.root, options)?)));
     if formats::table::is_model(path) {
         let read = ImportOptions { dynamics_only: options.dynamics_only };
         return Ok(Subject::Model(Box::new(formats::open_model(path, &read)?)));
@@ -263,8 +274,9 @@ fn open(path: &Path, options: &Options) -> Result<Subject, CrossCheckError> {
 }
 
 fn take_of(path: &Path, root: Option<RootChoice>, options: &Options) -> Result<Take, TakeError> {
-    let overrides = Overrides { patch: options.patch.clone(), root, ..Overrides::default() };
-    takes::open(path, &Ask { overrides, ..Ask::default() })
+    let (patch, tension) = (options.patch.clone(), options.tension);
+    let overrides = Overrides { patch, tension, root, ..Overrides::default() };
+    takes::open(path, &Ask { overrides, foresight: options.foresight.clone(), ..Ask::default() })
 }
 
 /// Our names of the bodies of an MJCF, in its order. Those of a URDF all have a name, and MuJoCo may order them in another way.
@@ -337,6 +349,15 @@ fn engines(
     out.checks.extend(forward.checks.clone());
     out.nothing.extend(forward.nothing.clone());
     out.forward = Some(forward);
+    if take.looks_ahead() {
+        on_event(Event::Part("stepping", 0.0));
+        let mujoco = engine_in(bridge, standing());
+        let run = stepping(take, &mujoco, &mut |x| on_event(Event::Part("stepping", x)))?;
+        out.checks.extend(run.checks.clone());
+        out.nothing.extend(run.nothing.clone());
+        out.scene = Some(run);
+        return Ok(());
+    }
     let physics = &take.conditions.physics;
     let on_feet = physics.root == RootMode::Free && free && physics.ground.is_some();
     if !on_feet || take.asked.plants.is_empty() {

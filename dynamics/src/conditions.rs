@@ -83,6 +83,13 @@ pub struct Push {
     pub duration_s: f64,
 }
 
+impl Push {
+    /// Whether it acts during the step that begins at a time, s.
+    pub fn acts(&self, t_s: f64) -> bool {
+        t_s >= self.start_s - 1e-9 && t_s < self.start_s + self.duration_s - 1e-9
+    }
+}
+
 /// A mass that is carried for a part of a run.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Carrying {

@@ -9,6 +9,7 @@
 //! | [`conditions`] | what acts on a performer: what holds its root, pushes, carried masses |
 //! | [`fall`] | whether and why a body fell |
 //! | [`trigger`] | what the motion or the world brought that made it fall |
+//! | [`digest`] | numbers that tell bodies, motions and conditions apart |
 //! | [`feet`] | what the feet of a run did on its ground |
 //! | [`verdict`] | how a motion was performed, in words and with numbers |
 //! | [`model`] | a character compiled for dynamics, and its world-frame state |
@@ -21,6 +22,7 @@
 //! | [`jacobian`] | how a point of a body moves with the joints |
 //! | [`ground_forces`] | ground forces required, given and measured, per foot |
 //! | [`penalty`] | the force of the ground on a point, from its height and slip |
+//! | [`rejoined`] | whether a body that was thrown off its motion came back |
 //! | [`walked`] | whether a body that steps kept its feet |
 //! | [`trace`] | what a dynamic run recorded |
 
@@ -30,6 +32,7 @@ mod composite;
 pub mod conditions;
 pub mod crba;
 pub mod derivatives;
+pub mod digest;
 pub mod fall;
 pub mod feet;
 pub mod forward;
@@ -38,6 +41,7 @@ pub mod inertia;
 pub mod jacobian;
 pub mod model;
 pub mod penalty;
+pub mod rejoined;
 pub mod rnea;
 mod spans;
 pub mod trace;
@@ -53,6 +57,7 @@ pub use ground_forces::{FootForce, GivenBy, GroundForces};
 pub use inertia::{Momentum, MomentumRate};
 pub use model::{Model, MovingBody, State};
 pub use penalty::Penalty;
+pub use rejoined::Rejoined;
 pub use rnea::{Wrench, total_wrench};
 pub use trace::{Against, ContactSample, Disturbed, Handed, Trace};
 pub use verdict::Verdict;

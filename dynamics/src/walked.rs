@@ -224,8 +224,7 @@ fn differences(trace: &Trace, model: &Model, kept: usize) -> (f64, f64) {
     for row in 1..=kept {
         state.update(model, trace.target_pose(row), &still);
         for &l in &massive {
-            let now = vec_at(&trace.link_com, 3 * (row * c.bodies.len() + l));
-            links += (now - state.point(model, l, &c.bodies[l].com)).norm_squared();
+            links += apart(trace, model, &state, row, l).norm_squared();
             n += 1;
         }
         c.skeleton.difference(trace.target_pose(row), trace.pose(row), 1.0, &mut turn);
@@ -234,6 +233,12 @@ fn differences(trace: &Trace, model: &Model, kept: usize) -> (f64, f64) {
     let of = |sum: f64, n: usize| (sum / n.max(1) as f64).sqrt();
     let jointed = model.bodies.iter().skip(1).filter(|b| b.joint.nv() > 0).count();
     (1e3 * of(links, n), of(joints, kept * jointed).to_degrees())
+}
+
+/// Where the centre of mass of a link is in `row`, from where it is in `asked`, m.
+pub(crate) fn apart(trace: &Trace, model: &Model, asked: &State, row: usize, link: usize) -> Vec3 {
+    let bodies = &trace.character.bodies;
+    vec_at(&trace.link_com, 3 * (row * bodies.len() + link)) - asked.point(model, link, &bodies[link].com)
 }
 
 /// Slip of every stance, mm.

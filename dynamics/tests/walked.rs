@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use bodies::anthropometry::human::human;
 use dynamics::walked::{HIGH, Loss};
-use dynamics::{Against, ContactSample, Disturbed, Model, RootMode, State, Trace, Walked};
+use dynamics::{Against, ContactSample, Disturbed, Model, Rejoined, RootMode, State, Trace, Walked};
 use motion::{Kinematics, Vec3};
 
 /// A human at rest as asked, moved and turned in its last rows.
@@ -99,4 +99,28 @@ fn hands_may_not_carry_and_feet_may() {
     assert!((slip - 15.0).abs() < 1e-9, "{slip}"); // 15 rows of 0.1 m/s at 100 Hz
     assert_eq!(stands.slip_mm(), slip);
     assert_eq!(carries("leg_l", 0.05).slip_mm(), 0.0);
+}
+
+/// Thrown 50 mm aside from 0.1 to 0.15 s, a body is back from then on: all links are as far as the root went. Of a throw that goes on, of one that
+/// comes back and leaves again, and of no rows there is no return.
+#[test]
+fn who_is_back_stays_back() {
+    let thrown = |rows: std::ops::Range<usize>| {
+        let mut t = standing(20, Vec3::new(0.03, 0.0, 0.04), Vec::new());
+        let (links, still) = (t.character.bodies.len(), standing(1, Vec3::zeros(), Vec::new()).link_com);
+        for row in (10..20).filter(|row| !rows.contains(row)) {
+            t.link_com[3 * row * links..3 * (row + 1) * links].copy_from_slice(&still[..3 * links]);
+        }
+        t
+    };
+    let seen = Rejoined::of(&thrown(10..15), 0.05, 0.01);
+    assert!((seen.furthest_m - 0.05).abs() < 1e-12 && seen.furthest_s == 0.1, "{seen:?}");
+    assert_eq!(seen.back_s, Some(0.15));
+    assert_eq!(Rejoined::of(&thrown(10..20), 0.05, 0.01).back_s, None);
+    assert_eq!(Rejoined::of(&thrown(19..20), 0.05, 0.01).back_s, None);
+    assert_eq!(Rejoined::of(&thrown(10..15), 0.05, 0.06).back_s, Some(0.05));
+    assert_eq!(
+        Rejoined::of(&thrown(10..15), 0.3, 0.01),
+        Rejoined { furthest_m: 0.0, furthest_s: 0.3, back_s: None }
+    );
 }

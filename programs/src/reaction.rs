@@ -11,6 +11,7 @@ use std::fmt;
 use std::sync::Arc;
 
 use controllers::{ControlStep, Drive, Reactive, ReactiveError, Rest};
+use dynamics::digest::Digest;
 use motion::Value;
 use rhai::{Dynamic, Engine};
 
@@ -150,6 +151,15 @@ fn turned(
 }
 
 impl Reactive for Reaction {
+    fn identify(&self, d: &mut Digest) {
+        d.text(self.program.text());
+        d.number(self.by_s);
+        d.list(&self.program.parameters(), |d, (name, value)| {
+            d.text(name);
+            d.text(value);
+        });
+    }
+
     fn react(&mut self, step: &ControlStep<'_>, drives: &mut [Drive]) -> Result<(), ReactiveError> {
         let body = self.body.get_or_insert_with(|| BodyHandle::new(step.model)).clone();
         body.write().fill(step, self.by_s);

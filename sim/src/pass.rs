@@ -173,6 +173,7 @@ impl Pass {
         if let Some(found) = overlap(&character, &q, &settings.props).filter(|o| o.depth_m > DEEPEST_M) {
             return Err(PassError::Overlap(found));
         }
+        let carried = self.carried.clone();
         let load = Load::new(character.clone(), self.carried, rate_hz, goal.rows());
         let engine =
             if self.soles.are_rigid() { engine.clone() } else { crate::soles::entry(engine, self.soles) };
@@ -183,12 +184,16 @@ impl Pass {
             Some(foreseen) if wakes(&controller, &settings, root) => {
                 let known = known.iter().filter(|c| c.at(0.0)).map(|c| &c.what);
                 let subject = Subject {
-                    plan: controller.plan(),
+                    controller: &controller,
                     body: &character.carrying(known),
                     engine: settings.clone(),
                     name: engine.name(),
                     stops: &stops,
                     soles: &self.soles,
+                    root,
+                    pushes: &self.pushes,
+                    carried: &carried,
+                    tilts: &self.tilts,
                 };
                 Some(Foresight::new(foreseen, &subject)?)
             }
@@ -317,13 +322,13 @@ impl Run {
             controller.observe_contacts(&self.recorder.contacts);
             controller.step(row, engine.q(), engine.v())?;
             if let Some(foresight) = &mut self.foresight {
-                foresight.act(row, engine, controller)?;
+                foresight.act(row, engine, controller, &self.pushes)?;
             }
         }
         engine.set_drives(controller.drives());
         let t = (row - 1) as f64 / rate_hz;
         for push in &self.pushes {
-            if t >= push.start_s - 1e-9 && t < push.start_s + push.duration_s - 1e-9 {
+            if push.acts(t) {
                 let point = state.point(controller.model(), push.link, &push.at);
                 let moment = Vec3::zeros();
                 engine.add_wrench(&Wrench { link: push.link, point, force: push.force, moment });

@@ -63,6 +63,8 @@ pub struct Ask {
     pub loop_s: Option<f64>,
     /// Edits of a clip, each the text that a scene would have in its list; scenes have their own.
     pub edits: Vec<String>,
+    /// Pushes beside those of the file, each the text that a scene would have in its list.
+    pub pushes: Vec<String>,
     /// What stands when in a clip, and where: a `contacts.ron` of an earlier run, edited; by default it is found.
     pub contacts: Option<PathBuf>,
     /// Leave out the edits.

@@ -11,7 +11,7 @@
 //! | `opening` | files that name files |
 //! | [`ask`], [`error`] | what a take is opened from; why there is none |
 //! | [`take`] | the take: body, source, motion asked for, conditions |
-//! | [`conditions`] | what acts on the body |
+//! | [`conditions`], `pushed` | what acts on the body; pushes asked for beside the file |
 //! | [`script`], `possible`, [`ignored`] | the take of a script, made possible; its keys that cannot act |
 //! | [`limited`] | joints that their limits changed |
 //! | `clip`, `clip_edits` | the take of a clip; edits of sampled motion |
@@ -50,6 +50,7 @@ mod pins;
 pub mod posing;
 mod possible;
 pub mod progress;
+mod pushed;
 pub mod replay;
 pub mod results;
 pub mod retargeting;

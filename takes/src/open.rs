@@ -17,7 +17,7 @@ use scenes::{ConditionsSpec, SceneSource, Source as Text};
 use crate::ask::is_ron;
 use crate::clip::ClipInput;
 use crate::opening::Opening;
-use crate::{Ask, Input, Take, TakeError, clip, retargeting, script};
+use crate::{Ask, Input, Take, TakeError, clip, pushed, retargeting, script};
 
 /// Opens a take.
 ///
@@ -26,6 +26,8 @@ use crate::{Ask, Input, Take, TakeError, clip, retargeting, script};
 pub fn open(input: impl Into<Input>, ask: &Ask) -> Result<Take, TakeError> {
     let mut take = open_asked(input.into(), ask)?;
     take.conditions.foresight = ask.foresight.clone();
+    let pushes = pushed::pushes(&take, ask)?;
+    take.conditions.pushes.extend(pushes);
     let path = take.name.clone();
     take.ready_to_step().map_err(|source| TakeError::Legs { path, source })
 }

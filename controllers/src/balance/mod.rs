@@ -38,6 +38,7 @@ mod settings;
 mod soles;
 mod wake;
 
+use dynamics::digest::{self, Digest};
 use dynamics::rnea::joint_force;
 use dynamics::{Model, State};
 use motion::ik::IkError;
@@ -301,6 +302,11 @@ fn alike(feet: &[Foot], model: &Model, state: &State) -> Support {
 }
 
 impl Reactive for Balance {
+    fn identify(&self, d: &mut Digest) {
+        self.settings.identify(d);
+        d.list(&self.plants, digest::plant);
+    }
+
     /// Writes the drives of the stance legs, and under a push those of spine and arms.
     fn react(&mut self, step: &ControlStep<'_>, drives: &mut [Drive]) -> Result<(), ReactiveError> {
         self.observe_contacts(step);

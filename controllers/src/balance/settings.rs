@@ -1,5 +1,6 @@
 //! Parameters of the balance property: units, defaults, directions, consequences.
 
+use dynamics::digest::Digest;
 use motion::names::Word;
 
 /// One of the strategies that can be switched off by itself.
@@ -123,6 +124,45 @@ impl Default for BalanceSettings {
 }
 
 impl BalanceSettings {
+    /// Adds all of them to a digest.
+    pub fn identify(&self, d: &mut Digest) {
+        let BalanceSettings {
+            ankle,
+            shift,
+            shift_damping,
+            shift_rate,
+            shift_limit_m,
+            pressure,
+            pressure_damping,
+            margin_m,
+            ankle_stiffness,
+            weight_shift,
+            hip,
+            arms,
+            wake_from_m_s,
+            wake_full_m_s,
+            wake_rest_m,
+            catch_gain,
+            catch_ahead_s,
+            catch_margin_m,
+            hip_reserve_m,
+            hip_gain,
+            hip_share,
+            hip_moment_nm,
+            hip_side_moment_nm,
+            hip_stroke_rad,
+            hip_brake,
+            hip_return_rad_s,
+            hip_lag_s,
+        } = self;
+        d.counts([ankle, weight_shift, hip, arms].map(|on| usize::from(*on)));
+        d.option(ankle_stiffness.as_ref(), |d, x| d.number(*x));
+        d.numbers([shift, shift_damping, shift_rate, shift_limit_m, pressure, pressure_damping, margin_m]);
+        d.numbers([wake_from_m_s, wake_full_m_s, wake_rest_m, catch_gain, catch_ahead_s, catch_margin_m]);
+        d.numbers([hip_reserve_m, hip_gain, hip_share, hip_moment_nm, hip_side_moment_nm, hip_stroke_rad]);
+        d.numbers([hip_brake, hip_return_rad_s, hip_lag_s]);
+    }
+
     /// The same with a strategy switched off.
     pub fn without(mut self, strategy: Strategy) -> Self {
         match strategy {

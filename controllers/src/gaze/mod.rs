@@ -13,6 +13,7 @@
 mod reach;
 
 use bodies::Character;
+use dynamics::digest::{self, Digest};
 use dynamics::rnea::joint_force;
 use dynamics::{Model, State};
 use motion::rotation::{between, exp, log, slerp};
@@ -257,6 +258,17 @@ impl Gaze {
 }
 
 impl Reactive for Gaze {
+    fn identify(&self, d: &mut Digest) {
+        let GazeSettings { target, from_s, to_s, blend_s, trunk } = &self.settings;
+        digest::vector(d, target);
+        d.numbers([from_s, to_s, blend_s, trunk]);
+        let links: Vec<usize> = self.links().collect();
+        d.list(&links, |d, link| d.count(*link));
+        d.count(self.sight.link);
+        digest::vector(d, &self.sight.at);
+        digest::vector(d, &self.sight.forward);
+    }
+
     fn react(&mut self, step: &ControlStep<'_>, drives: &mut [Drive]) -> Result<(), ReactiveError> {
         self.measured.update(step.v, step.dt, FILTER_S);
         let weight = self.weight(step.time_s);

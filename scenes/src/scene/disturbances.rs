@@ -3,15 +3,24 @@
 //! In: what the file says. Out: the same in SI units with links found, or an error at the very value. The ground itself is read
 //! with the world, in [`super`].
 
-use bodies::Carried;
+use bodies::{Carried, Character};
 use dynamics::Carrying;
 use dynamics::{Push, RootMode};
 use motion::{Joint, Tilt, Vec3};
 
 use super::Check;
-use crate::SceneError;
 use crate::conditions::Timed;
 use crate::schema::{CarriedRon, GroundRon, ImpulseRon, PlaneRon, PushRon};
+use crate::{SceneError, Source};
+
+/// A push as a text of its own: what `--push` of the command line takes.
+///
+/// # Errors
+/// As in a scene, at the place in the text.
+pub fn push_of(source: &Source, character: &Character) -> Result<Timed<Push>, SceneError> {
+    let ron: PushRon = source.parse()?;
+    Check { source, character }.push("", &ron)
+}
 
 impl Check<'_> {
     /// Turns of the ground.
@@ -46,22 +55,22 @@ impl Check<'_> {
 
     /// Pushes.
     pub(crate) fn pushes(&self, ron: &[PushRon]) -> Result<Vec<Timed<Push>>, SceneError> {
-        ron.iter()
-            .enumerate()
-            .map(|(i, p)| {
-                let at = format!("pushes[{i}]");
-                let link = self.link(&format!("{at}.link"), &p.link, " in a push")?;
-                let duration_s = self.within(&format!("{at}.duration_s"), p.duration_s, 1e-3, 3600.0, "s")?;
-                let value = Push {
-                    link,
-                    at: self.near(&format!("{at}.at_m"), p.at_m)?,
-                    force: self.impulse(&at, p)? / duration_s,
-                    start_s: self.within(&format!("{at}.start_s"), p.start_s, 0.0, 86_400.0, "s")?,
-                    duration_s,
-                };
-                Ok(Timed { value, clock: p.clock.0 })
-            })
-            .collect()
+        ron.iter().enumerate().map(|(i, p)| self.push(&format!("pushes[{i}]"), p)).collect()
+    }
+
+    /// A push; the fields of a text of its own are `at` the empty place.
+    fn push(&self, at: &str, p: &PushRon) -> Result<Timed<Push>, SceneError> {
+        let place = |field: &str| if at.is_empty() { field.to_owned() } else { format!("{at}.{field}") };
+        let link = self.link(&place("link"), &p.link, " in a push")?;
+        let duration_s = self.within(&place("duration_s"), p.duration_s, 1e-3, 3600.0, "s")?;
+        let value = Push {
+            link,
+            at: self.near(&place("at_m"), p.at_m)?,
+            force: self.impulse(&place, p)? / duration_s,
+            start_s: self.within(&place("start_s"), p.start_s, 0.0, 86_400.0, "s")?,
+            duration_s,
+        };
+        Ok(Timed { value, clock: p.clock.0 })
     }
 
     pub(crate) fn link(&self, at: &str, name: &str, within: &str) -> Result<usize, SceneError> {
@@ -81,8 +90,8 @@ impl Check<'_> {
     }
 
     /// The impulse of a push, world, N·s.
-    fn impulse(&self, at: &str, p: &PushRon) -> Result<Vec3, SceneError> {
-        let field = format!("{at}.impulse_ns");
+    fn impulse(&self, place: &impl Fn(&str) -> String, p: &PushRon) -> Result<Vec3, SceneError> {
+        let field = place("impulse_ns");
         match (p.impulse_ns, p.towards_deg) {
             (ImpulseRon::Vector(v), None) => {
                 for x in v {
@@ -92,7 +101,7 @@ impl Check<'_> {
             }
             (ImpulseRon::Size(x), Some(deg)) => {
                 let x = self.within(&field, x, 0.0, 1e7, "N·s")?;
-                let deg = self.within(&format!("{at}.towards_deg"), deg, -360.0, 360.0, "°")?;
+                let deg = self.within(&place("towards_deg"), deg, -360.0, 360.0, "°")?;
                 Ok(crate::angle::direction(deg) * x)
             }
             (ImpulseRon::Size(x), None) => {
@@ -103,7 +112,7 @@ impl Check<'_> {
             }
             (ImpulseRon::Vector(_), Some(_)) => {
                 let message = "impulse_ns has a direction of its own; allowed: one number beside towards_deg";
-                Err(self.source.error(&format!("{at}.towards_deg"), message))
+                Err(self.source.error(&place("towards_deg"), message))
             }
         }
     }

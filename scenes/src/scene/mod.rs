@@ -30,6 +30,7 @@ use crate::overrides::LOOPS_S;
 use crate::schema::SceneRon;
 use crate::{Patch, SceneError, Source, StripSpec, TuneSpec, character_file, library};
 
+pub use disturbances::push_of;
 pub use edits::{EditKind, SceneEdit, StoredEdit, StyleSpec, edit_of_clip};
 pub use motion::{RetargetSpec, SceneSource};
 pub use script::ScriptSpec;

@@ -76,7 +76,7 @@ impl Ahead {
     pub(super) fn new(plan: &Plan, model: &Model, supports: Vec<usize>, rows: usize, parts: &[Part]) -> Self {
         let joints = std::iter::repeat_n(Drive::NONE, model.bodies.len());
         let drives: Vec<Drive> = joints.chain(parts.iter().map(crate::soles::drive)).collect();
-        Self {
+        let mut ahead = Self {
             controller: Controller::unanswering(plan.clone()),
             state: State::new(model),
             supports,
@@ -88,7 +88,9 @@ impl Ahead {
                 asked: vec![Asked::default(); rows + 1],
             },
             model: model.clone(),
-        }
+        };
+        ahead.ask(0);
+        ahead
     }
 
     /// The rows that are known.
@@ -101,23 +103,31 @@ impl Ahead {
     /// # Errors
     /// Of the controller.
     pub(super) fn reach(&mut self, row: usize) -> Result<(), ForesightError> {
-        let Self { controller, model, state, supports, known, rows } = self;
-        while *known < row {
-            *known += 1;
-            let row = *known;
+        while self.known < row {
+            self.known += 1;
+            let row = self.known;
+            let Self { controller, rows, .. } = self;
             let goal = &rows.goal;
             let drives = controller.step(row, goal.pose(row - 1), goal.velocity(row - 1))?;
             let at = row % rows.drives.len();
             rows.drives[at][..drives.len()].copy_from_slice(drives);
-            state.update(model, goal.pose(row), goal.velocity(row));
-            let m = state.momentum(model);
-            rows.asked[at] = Asked {
-                com: m.com,
-                velocity: m.linear / model.mass,
-                spin: m.angular,
-                supports: supports.iter().map(|&b| state.bodies[b].com).collect(),
-            };
+            self.ask(row);
         }
         Ok(())
+    }
+
+    /// What the motion asked for does in `row`.
+    fn ask(&mut self, row: usize) {
+        let Self { model, state, supports, rows, .. } = self;
+        let goal = &rows.goal;
+        state.update(model, goal.pose(row), goal.velocity(row));
+        let m = state.momentum(model);
+        let at = row % rows.asked.len();
+        rows.asked[at] = Asked {
+            com: m.com,
+            velocity: m.linear / model.mass,
+            spin: m.angular,
+            supports: supports.iter().map(|&b| state.bodies[b].com).collect(),
+        };
     }
 }

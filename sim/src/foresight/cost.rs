@@ -64,6 +64,9 @@ impl Default for Scales {
     }
 }
 
+/// Samples are drawn at most so many times as wide as usual.
+const WIDEST: f64 = 2.5;
+
 /// Weights of the terms of a body: one over the square of each scale.
 #[derive(Clone, Debug)]
 pub(super) struct Cost {
@@ -98,6 +101,15 @@ pub(super) struct Gathered {
     steps: usize,
 }
 
+/// A square of a distance over its scale, which beyond [`REACH`] scales grows with the distance itself (Huber). Who is thrown off the path comes
+/// back step by step: a square would outweigh the capture point, and pull the body over the foot that is to catch it.
+fn within_reach(square: f64) -> f64 {
+    if square <= REACH * REACH { square } else { REACH * (2.0 * square.sqrt() - REACH) }
+}
+
+/// Distance, in its scale, beyond which the centre of mass costs in proportion.
+const REACH: f64 = 1.0;
+
 impl Cost {
     /// Of a body whose centre of mass is `height` m over what stands.
     pub(super) fn new(scales: &Scales, model: &Model, height: f64, supports: &[usize]) -> Self {
@@ -131,6 +143,22 @@ impl Cost {
         to.steps += 1;
     }
 
+    /// How far the capture point has strayed along the ground, m, where the centre of mass is `stray` from what is asked and moves at `rate`
+    /// against it.
+    fn capture(&self, stray: &Vec3, rate: &Vec3) -> Vec3 {
+        let capture = stray + rate / self.omega;
+        Vec3::new(capture.x, 0.0, capture.z)
+    }
+
+    /// How much wider than usual samples are drawn from the state in `row`: as many times as the capture point has strayed by what costs 1.
+    /// Feet are to land where it went; a hip turns a leg there by an angle that grows with the way, whatever its tension is.
+    pub(super) fn width(&self, core: &Core, rows: &Rows, row: usize) -> f64 {
+        let asked = rows.asked(row);
+        let m = core.state().momentum(&core.model);
+        let capture = self.capture(&(m.com - asked.com), &(m.linear / core.model.mass - asked.velocity));
+        (capture.norm() * self.capture.sqrt()).clamp(1.0, WIDEST)
+    }
+
     /// Cost of the state in `row`.
     pub(super) fn of(&self, core: &Core, rows: &Rows, row: usize) -> f64 {
         let (asked, model, q) = (rows.asked(row), &core.model, core.q());
@@ -138,9 +166,8 @@ impl Cost {
         let m = core.state().momentum(model);
         let stray = m.com - asked.com;
         let rate = m.linear / model.mass - asked.velocity;
-        let mut cost = stray.norm_squared() * self.com + rate.norm_squared() * self.velocity;
-        let capture = stray + rate / self.omega;
-        let capture = Vec3::new(capture.x, 0.0, capture.z);
+        let mut cost = within_reach(stray.norm_squared() * self.com) + rate.norm_squared() * self.velocity;
+        let capture = self.capture(&stray, &rate);
         cost += capture.norm_squared() * self.capture;
         cost += (m.angular - asked.spin).norm_squared() * self.spin;
         let root = model.bodies[0].q_at + 3;
@@ -171,5 +198,21 @@ impl Cost {
             cost += to.at[k] * to.at[k] * per * self.offset + change * change * per * self.change;
         }
         cost
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Continuous with its slope where the square ends; zero of nothing.
+    #[test]
+    fn a_distance_out_of_reach_costs_in_proportion() {
+        assert_eq!((within_reach(0.0), within_reach(0.5)), (0.0, 0.5));
+        let of = |distance: f64| within_reach(distance * distance);
+        let h = 1e-6;
+        let (before, after) = ((of(REACH) - of(REACH - h)) / h, (of(REACH + h) - of(REACH)) / h);
+        assert!((before - after).abs() < 1e-5 && (after - 2.0 * REACH).abs() < 1e-5, "{before} {after}");
+        assert!((of(6.0) - of(5.0) - 2.0 * REACH).abs() < 1e-12);
     }
 }

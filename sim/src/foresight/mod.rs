@@ -13,16 +13,19 @@
 //! | `channels` | which joints are moved, and how far |
 //! | `spline` | offsets over time |
 //! | `ahead` | what is known of the rows to come |
+//! | `beside` | what acts beside the plan: pushes under way, reactive properties as they are now |
 //! | `cost` | what a state costs |
 //! | `search` | the tree of rollouts |
 //! | `random` | seeded numbers |
 //! | `error` | why it cannot start or go on |
 //! | `replay` | offsets of an earlier run, performed again |
 //!
-//! What is not foreseen: pushes, answers of reactive properties, masses that nobody knows of. It is asleep where the balance property stands
-//! on planted feet. `docs/WALKING.md` has numbers.
+//! A push is answered from the step on in which it begins: all is searched again at once, and it is taken to go on until its end. Reactive
+//! properties are frozen as they are when a search begins. Not foreseen: pushes that have not begun, and masses that nobody knows of. It is asleep
+//! where the balance property stands on planted feet. `docs/WALKING.md` has numbers.
 
 mod ahead;
+mod beside;
 mod channels;
 mod cost;
 mod error;
@@ -35,15 +38,17 @@ mod spline;
 use std::sync::Arc;
 
 use bodies::{Character, OnSoles, Soles};
-use controllers::{Controller, Plan};
-use dynamics::{Model, State};
+use controllers::{Controller, Drive, Plan};
+use dynamics::{Carrying, Model, Push, RootMode, State};
+use motion::Tilt;
 
 use crate::core::Core;
 use crate::{Engine, EngineError, EngineSettings};
 use ahead::Ahead;
+use beside::Beside;
 use cost::Cost;
 use search::{Question, Search};
-use spline::between;
+use spline::{between, on_the_way};
 
 pub use channels::Channel;
 pub use cost::Scales;
@@ -106,7 +111,7 @@ enum Way {
 
 /// What a foresight is made for.
 pub(crate) struct Subject<'a> {
-    pub(crate) plan: &'a Plan,
+    pub(crate) controller: &'a Controller,
     /// With what it is known to carry.
     pub(crate) body: &'a Character,
     /// What the performing engine was built for.
@@ -117,6 +122,20 @@ pub(crate) struct Subject<'a> {
     pub(crate) stops: &'a [f64],
     /// What its soles do under load.
     pub(crate) soles: &'a Soles,
+    /// What holds its root.
+    pub(crate) root: RootMode,
+    /// Pushes from outside; of those to come it sees nothing.
+    pub(crate) pushes: &'a [Push],
+    /// Masses carried, known and unknown.
+    pub(crate) carried: &'a [Carrying],
+    /// Turns of the ground.
+    pub(crate) tilts: &'a [Tilt],
+}
+
+impl Subject<'_> {
+    fn plan(&self) -> &Plan {
+        self.controller.plan()
+    }
 }
 
 impl Foresight {
@@ -126,8 +145,8 @@ impl Foresight {
     /// What the core finds wrong with the body; a replay of another input.
     pub(crate) fn new(foreseen: &Foreseen, of: &Subject<'_>) -> Result<Self, ForesightError> {
         let model = Model::new(of.body, of.engine.gravity);
-        let channels = channels::of(of.body, &model, of.plan);
-        let input = replay::input(of, &model);
+        let channels = channels::of(of.body, &model, of.plan());
+        let input = replay::input(of)?;
         let (way, settings) = match foreseen {
             Foreseen::Search(settings) => {
                 let search = Searching::new(*settings, of, &model, channels.clone())?;
@@ -145,15 +164,21 @@ impl Foresight {
         })
     }
 
-    /// Offsets the targets of `controller` for the step that ends at `row`; `engine` is in the state before it.
+    /// Offsets the targets of `controller` for the step that ends at `row`; `engine` is in the state before it. Of `pushes` it knows those that
+    /// act in that step.
     pub(crate) fn act(
         &mut self,
         row: usize,
         engine: &dyn Engine,
         controller: &mut Controller,
+        pushes: &[Push],
     ) -> Result<(), ForesightError> {
         match &mut self.way {
-            Way::Search(search) => search.offsets(row, engine, &mut self.now, &mut self.used)?,
+            Way::Search(search) => {
+                let (q, v) = engine.whole();
+                let felt = Felt { q, v, drives: controller.drives(), pushes };
+                search.offsets(row, &felt, &mut self.now, &mut self.used)?;
+            }
             Way::Replay(replay) => replay.offsets(row, &mut self.now),
         }
         channels::shift(&self.used.channels, &self.now, controller.drives_mut());
@@ -167,15 +192,30 @@ impl Foresight {
     }
 }
 
+/// What a body feels of the step to come.
+struct Felt<'a> {
+    /// Its state before the step, parts of its soles included.
+    q: &'a [f64],
+    v: &'a [f64],
+    /// Drives before they are offset.
+    drives: &'a [Drive],
+    /// All pushes; those that act in the step are felt.
+    pushes: &'a [Push],
+}
+
 /// A search that goes along with a pass.
 struct Searching {
     settings: Settings,
+    rate_hz: f64,
     /// Rows per window.
     window: usize,
     channels: Vec<Channel>,
     cost: Cost,
     ahead: Ahead,
+    beside: Beside,
     search: Search,
+    /// Searches so far: part of the seeds.
+    searches: u64,
     /// The row at which the present window began; knots at its beginning and end, and those planned for after it.
     since: Option<usize>,
     from: Knot,
@@ -192,7 +232,7 @@ impl Searching {
     ) -> Result<Self, ForesightError> {
         let supports = channels::supports(of.body, model);
         let window = ((settings.window_s * of.engine.rate_hz).round() as usize).max(1);
-        let goal = &of.plan.goal;
+        let goal = &of.plan().goal;
         let coarse = EngineSettings {
             rate_hz: of.engine.rate_hz / settings.stride.max(1) as f64,
             substeps: 1,
@@ -214,8 +254,11 @@ impl Searching {
         let height = (state.com(model).y - lowest).max(LEAST_HEIGHT);
         Ok(Self {
             cost: Cost::new(&settings.scales, model, height, &supports),
-            ahead: Ahead::new(of.plan, model, supports, window * settings.windows(), &on.parts),
+            ahead: Ahead::new(of.plan(), model, supports, window * settings.windows(), &on.parts),
+            beside: Beside::default(),
             search: Search::new(core, &settings, channels.len()),
+            searches: 0,
+            rate_hz: of.engine.rate_hz,
             since: None,
             from: Knot::zero(channels.len()),
             to: Knot::zero(channels.len()),
@@ -230,13 +273,14 @@ impl Searching {
     fn offsets(
         &mut self,
         row: usize,
-        engine: &dyn Engine,
+        felt: &Felt<'_>,
         now: &mut [f64],
         used: &mut Used,
     ) -> Result<(), ForesightError> {
         let before = row - 1;
-        if self.since.is_none_or(|since| before >= since + self.window) {
-            used.costs.push(self.search(before, engine)?);
+        let over = self.since.is_none_or(|since| before >= since + self.window);
+        if over || self.beside.misses(before, self.rate_hz, felt.pushes) {
+            used.costs.push(self.search(before, felt)?);
         }
         let since = self.since.unwrap_or(before);
         between(&self.from, &self.to, (row - since) as f64 / self.window as f64, now);
@@ -244,22 +288,25 @@ impl Searching {
     }
 
     /// Searches for the offsets of the window that begins at `row`; the cost of what was found.
-    fn search(&mut self, row: usize, engine: &dyn Engine) -> Result<f64, ForesightError> {
+    fn search(&mut self, row: usize, felt: &Felt<'_>) -> Result<f64, ForesightError> {
         let windows = self.settings.windows();
         let last = (row + self.window * windows).min(self.ahead.rows().count() - 1);
         self.ahead.reach(last)?;
-        std::mem::swap(&mut self.from, &mut self.to);
-        let (q, v) = engine.whole();
-        self.search.core().place(q, v);
+        self.beside.take(row, self.rate_hz, felt.pushes, self.ahead.rows().drives(row + 1), felt.drives);
+        self.go_on(row);
+        self.search.core().place(felt.q, felt.v);
         self.next.resize(windows, Knot::zero(self.channels.len()));
+        let width = self.settings.width * self.cost.width(self.search.core(), self.ahead.rows(), row);
         let question = Question {
+            width,
             settings: &self.settings,
             channels: &self.channels,
             cost: &self.cost,
             rows: self.ahead.rows(),
             row,
             window: self.window,
-            number: (row / self.window) as u64,
+            number: self.searches,
+            beside: &self.beside,
             from: &self.from,
             last: &self.next,
         };
@@ -267,7 +314,24 @@ impl Searching {
         self.to = if knots.is_empty() { self.from.clone() } else { knots.remove(0) };
         self.next = knots;
         self.since = Some(row);
+        self.searches += 1;
         Ok(cost)
+    }
+
+    /// Makes `row` the beginning of a window: `from` is what the offsets are there, `next` what was planned for the ends of this window
+    /// and of those after it.
+    fn go_on(&mut self, row: usize) {
+        let gone = row - self.since.unwrap_or(row);
+        if self.since.is_none() || gone >= self.window {
+            std::mem::swap(&mut self.from, &mut self.to);
+            return;
+        }
+        let s = gone as f64 / self.window as f64;
+        let mut knots = vec![self.from.clone(), self.to.clone()];
+        knots.append(&mut self.next);
+        let mut moved: Vec<Knot> = knots.windows(2).map(|pair| on_the_way(&pair[0], &pair[1], s)).collect();
+        self.from = moved.remove(0);
+        self.next = moved;
     }
 }
 

@@ -3,16 +3,22 @@
 //! In: offsets and the number of the input they were found for. Out: the same offsets, row by row. In the same engine the same bytes come out;
 //! an input that differs in anything that the run depends on is refused.
 
+use bodies::Soles;
+use bodies::soles::{Pad, Pads, Toes};
+use controllers::{Controller, Plan, ReactiveError, Rest};
+use dynamics::RootMode;
+use dynamics::digest::{self, Digest};
+use motion::names::Word;
 use thiserror::Error;
 
 use super::Subject;
-use dynamics::Model;
-use motion::Fnv;
+use crate::{ContactLaw, EngineSettings};
 
 /// Offsets of a run. See the module header.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Replay {
-    /// What the run was made of, as a number: the motion asked for, body, muscles, ground, rate, substeps and engine.
+    /// What the run was made of, as a number: the motion asked for, body, muscles, reactive properties, ground, what stands on it, pushes, carried
+    /// masses, rate, substeps and engine.
     pub input: u64,
     /// Degrees of freedom that are offset.
     pub channels: usize,
@@ -25,7 +31,7 @@ pub struct Replay {
 pub enum ReplayError {
     /// Found for something else.
     #[error(
-        "the offsets to be replayed were found for another input ({found:016x}; this one is {needed:016x}): motion, body, soles, muscles, ground, rate, substeps and engine have to be the same"
+        "the offsets to be replayed were found for another input ({found:016x}; this one is {needed:016x}): motion, body, soles, muscles, reactive properties, ground, pushes, carried masses, rate, substeps and engine have to be the same"
     )]
     Input {
         /// Number of the input they were found for.
@@ -68,50 +74,88 @@ impl Replay {
     }
 }
 
-/// The number of what a run is made of: FNV-1a over the bits of everything that enters it.
-pub(super) fn input(of: &Subject<'_>, model: &Model) -> u64 {
-    let mut hash = Input::default();
-    let goal = &of.plan.goal;
-    hash.text(of.name);
-    for numbers in [&goal.q, &goal.v, &goal.vd] {
-        hash.numbers(numbers);
+/// The number of what a run is made of: a digest of everything that enters it.
+///
+/// The plan enters by what comes of it: the motion asked for, and the drives of every row before anything answers the state.
+///
+/// # Errors
+/// Of the controller.
+pub(super) fn input(of: &Subject<'_>) -> Result<u64, ReactiveError> {
+    let mut d = Digest::default();
+    let plan = of.plan();
+    d.text(of.name);
+    for numbers in [&plan.goal.q, &plan.goal.v, &plan.goal.vd] {
+        d.list(numbers, |d, x| d.number(*x));
     }
-    let e = &of.engine;
-    hash.numbers(&[goal.rate_hz, e.rate_hz, e.substeps as f64]);
-    hash.numbers(e.gravity.as_slice());
-    if let Some(ground) = &e.ground {
-        hash.numbers(&[ground.height_m, ground.friction]);
-        hash.numbers(ground.up.as_slice());
+    drives(&mut d, plan)?;
+    // field by field: one that is added does not compile before it has a place here
+    let EngineSettings { rate_hz, substeps, gravity, ground, pinned, contact, props, self_collision } =
+        &of.engine;
+    d.numbers([&plan.goal.rate_hz, rate_hz]);
+    d.count(*substeps);
+    digest::vector(&mut d, gravity);
+    d.option(ground.as_ref(), digest::floor);
+    d.count(usize::from(*pinned));
+    match contact {
+        ContactLaw::Stiff => d.count(0),
+        ContactLaw::Spring { natural_frequency_hz, damping_ratio } => {
+            d.count(1);
+            d.numbers([natural_frequency_hz, damping_ratio]);
+        }
+        ContactLaw::Compliant { stiffness_n_m, damping_n_s_m } => {
+            d.count(2);
+            d.numbers([stiffness_n_m, damping_n_s_m]);
+        }
     }
-    hash.numbers(of.stops);
-    for (b, impedance) in model.bodies.iter().zip(&of.plan.impedances) {
-        hash.text(&model.skeleton.links()[b.link].name);
-        hash.numbers(&[b.mass, impedance.stiffness, impedance.damping]);
-        hash.numbers(b.com.as_slice());
-        hash.numbers(b.inertia.as_slice());
-        hash.numbers(b.parent_from_zero.translation.vector.as_slice());
-        hash.numbers(b.parent_from_zero.rotation.coords.as_slice());
+    d.list(props, digest::prop);
+    d.count(usize::from(*self_collision));
+    d.list(of.stops, |d, x| d.number(*x));
+    digest::character(&mut d, of.body);
+    d.text(of.root.name().word());
+    if let RootMode::Assisted { force_n, moment_nm } = &of.root {
+        d.numbers([force_n, moment_nm]);
     }
-    for body in &of.body.bodies {
-        body.shapes.iter().for_each(|shape| hash.text(&format!("{shape:?}")));
-    }
-    if !of.soles.are_rigid() {
-        hash.text(&format!("{:?}", of.soles));
-    }
-    hash.0.value()
+    soles(&mut d, of.soles);
+    d.list(of.pushes, digest::push);
+    d.list(of.carried, digest::carrying);
+    d.list(of.tilts, digest::tilt);
+    of.controller.identify_reactive(&mut d);
+    Ok(d.value())
 }
 
-#[derive(Default)]
-struct Input(Fnv);
+/// Soles as numbers.
+fn soles(d: &mut Digest, soles: &Soles) {
+    let Soles { pads, toes } = soles;
+    d.option(pads.as_ref(), |d, Pads { heel, ball }| {
+        for Pad { stiffness_n_m, damping_n_s_m, travel_m, compact_n_m } in [heel, ball] {
+            d.numbers([stiffness_n_m, damping_n_s_m, travel_m, compact_n_m]);
+        }
+    });
+    d.option(toes.as_ref(), |d, Toes { stiffness_nm_rad, damping_nm_s_rad }| {
+        d.numbers([stiffness_nm_rad, damping_nm_s_rad]);
+    });
+}
 
-impl Input {
-    fn numbers(&mut self, numbers: &[f64]) {
-        self.0.bytes(&(numbers.len() as u64).to_le_bytes());
-        numbers.iter().for_each(|x| self.0.bytes(&x.to_bits().to_le_bytes()));
+/// The drives of a plan, row by row.
+fn drives(d: &mut Digest, plan: &Plan) -> Result<(), ReactiveError> {
+    let mut controller = Controller::unanswering(plan.clone());
+    for row in 1..plan.goal.rows() {
+        let drives = controller.step(row, plan.goal.pose(row - 1), plan.goal.velocity(row - 1))?;
+        d.list(drives, |d, drive| {
+            d.numbers([&drive.stiffness, &drive.damping]);
+            match &drive.rest {
+                Rest::None => d.count(0),
+                Rest::Scalar(at) => {
+                    d.count(1);
+                    d.number(*at);
+                }
+                Rest::Ball { target, shift } => {
+                    d.count(2);
+                    d.numbers(target.as_vector());
+                    digest::vector(d, shift);
+                }
+            }
+        });
     }
-
-    fn text(&mut self, text: &str) {
-        self.0.bytes(&(text.len() as u64).to_le_bytes());
-        self.0.bytes(text.as_bytes());
-    }
+    Ok(())
 }

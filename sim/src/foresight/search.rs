@@ -11,6 +11,7 @@ use rayon::prelude::*;
 
 use super::Settings;
 use super::ahead::Rows;
+use super::beside::Beside;
 use super::channels::{Channel, shift};
 use super::cost::{Cost, Gathered};
 use super::random::Stream;
@@ -69,6 +70,10 @@ pub(super) struct Question<'a> {
     pub(super) window: usize,
     /// Number of the window: part of the seeds.
     pub(super) number: u64,
+    /// Factor on the deviations of all channels.
+    pub(super) width: f64,
+    /// What acts beside the plan.
+    pub(super) beside: &'a Beside,
     /// Offsets now.
     pub(super) from: &'a Knot,
     /// What the last search would do from now on, one knot per window.
@@ -105,8 +110,10 @@ impl Question<'_> {
             between(from, to, phase, &mut s.offsets);
             s.drives.clear();
             s.drives.extend_from_slice(self.rows.drives(next));
+            self.beside.shift(&mut s.drives);
             shift(self.channels, &s.offsets, &mut s.drives);
             core.set_drives(&s.drives);
+            self.beside.push(core, row, stride);
             if core.step().is_err() {
                 return LOST;
             }
@@ -209,7 +216,7 @@ impl Search {
                 let wide = if i < width { 0.0 } else { WIDTHS[(i / width) % WIDTHS.len()] };
                 for (k, c) in question.channels.iter().enumerate() {
                     let mean = mean.map_or(0.0, |m| m.at[k]);
-                    sample.knot.at[k] = mean + stream.normal() * c.deviation * wide * question.settings.width;
+                    sample.knot.at[k] = mean + stream.normal() * c.deviation * wide * question.width;
                 }
                 sample.knot.reach(&from.knot);
                 core.restore(&from.state);

@@ -40,6 +40,17 @@ pub fn between(from: &Knot, to: &Knot, s: f64, out: &mut [f64]) {
     }
 }
 
+/// Offsets and slopes at the fraction `s` of the way from one knot to the next, as a knot.
+pub fn on_the_way(from: &Knot, to: &Knot, s: f64) -> Knot {
+    let mut knot = Knot::zero(from.at.len());
+    between(from, to, s, &mut knot.at);
+    let (a, b, c) = (6.0 * s * (1.0 - s), 3.0 * s * s - 4.0 * s + 1.0, 3.0 * s * s - 2.0 * s);
+    for (k, slope) in knot.slope.iter_mut().enumerate() {
+        *slope = (to.at[k] - from.at[k]) * a + from.slope[k] * b + to.slope[k] * c;
+    }
+    knot
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -66,6 +77,10 @@ mod tests {
             let (before, after) = ((at(x) - at(x - h)) / h, (at(x + h) - at(x)) / h);
             assert!((before - after).abs() < 1e-4, "{before} {after}"); // 2e-5 seen: curvature times h
             assert!((after - knots[i].slope[0]).abs() < 1e-4);
+            let middle = on_the_way(&knots[i], &knots[i + 1], 0.3);
+            let rate = (at(x + 0.3 + h) - at(x + 0.3 - h)) / (2.0 * h);
+            assert!((middle.at[0] - at(x + 0.3)).abs() < 1e-14);
+            assert!((middle.slope[0] - rate).abs() < 1e-8, "{} {rate}", middle.slope[0]);
         }
     }
 }

@@ -11,8 +11,8 @@
 use std::fmt::Write as _;
 
 use controllers::Parameter;
+use dynamics::digest::Digest;
 
-use super::digest::Digest;
 use super::search::Sample;
 use scenes::tune_spec::TERMS;
 

@@ -33,11 +33,12 @@ pub mod sweep;
 pub mod sweep_results;
 
 use controllers::Parameter;
+use dynamics::digest::Digest;
 use motion::names::Word;
 use rayon::prelude::*;
 
 pub use cost::Cost;
-pub use digest::{Digest, digest};
+pub use digest::digest;
 pub use report::TuneReport;
 pub use scenes::tune_spec::{FixedPush, MOST_PUSHES, TERMS, TuneSpec, named};
 pub use search::{Objective, Sample, Search, SearchStart, SolverKind, search};
