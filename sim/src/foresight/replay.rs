@@ -84,6 +84,9 @@ pub(super) fn input(of: &Subject<'_>, model: &Model) -> u64 {
         hash.numbers(ground.up.as_slice());
     }
     hash.numbers(of.stops);
+    for bears in of.plan.bears() {
+        hash.numbers(bears);
+    }
     for (b, impedance) in model.bodies.iter().zip(&of.plan.impedances) {
         hash.text(&model.skeleton.links()[b.link].name);
         hash.numbers(&[b.mass, impedance.stiffness, impedance.damping]);
