@@ -40,6 +40,14 @@ const RESTS_S: f64 = 0.08;
 const RESTS: f64 = 0.3;
 /// Something else than soles bears the body for no less than this, s.
 pub(crate) const HELD_S: f64 = 0.1;
+/// A sole beside a flight has left the ground, or is not there yet, this far over its lowest, m ...
+const LIFTED_M: f64 = 0.015;
+/// ... while the ground bears less than this share of the weight, or ...
+const LIGHT: f64 = 0.5;
+/// ... than this share of the most that it bears in [`AROUND_S`]: a smoothed landing begins before its time, the harder the more.
+const LIGHT_OF_MOST: f64 = 0.25;
+/// See [`LIGHT_OF_MOST`], s.
+const AROUND_S: f64 = 0.1;
 /// Shorter flights are none, nor are touches beside a sole that stands, s.
 const SHORT_S: f64 = 0.06;
 /// What a clip needs of the ground in every frame: the share of the weight that it bears, and where it presses.
@@ -72,17 +80,24 @@ pub(crate) fn borne(
     let heights: Vec<Vec<f64>> = (0..frames).map(height).collect();
     let lowest = |f: usize| (0..soles.len()).min_by(|a, b| heights[f][*a].total_cmp(&heights[f][*b]));
     rested(&mut stands, needs, clip, soles);
-    // height of each sole where it stands: guessed soles dig in and hover
-    let level: Vec<f64> = (0..soles.len())
+    // height of each sole where it stands, contact by contact: guessed soles dig in and hover
+    let levels: Vec<Vec<(Range<usize>, f64)>> = (0..soles.len())
         .map(|s| {
-            let mut on: Vec<f64> = (0..frames).filter(|f| stands[s][*f]).map(|f| heights[f][s]).collect();
-            on.sort_by(f64::total_cmp);
-            on.get(on.len() / 2).copied().unwrap_or(0.0)
+            let of = |run: Range<usize>| {
+                let mut on: Vec<f64> = run.clone().map(|f| heights[f][s]).collect();
+                on.sort_by(f64::total_cmp);
+                (run, on[on.len() / 2])
+            };
+            runs(0..frames, |f| stands[s][f]).into_iter().map(of).collect()
         })
         .collect();
+    let level = |f: usize, s: usize| {
+        let off = |run: &Range<usize>| run.start.saturating_sub(f).max((f + 1).saturating_sub(run.end));
+        levels[s].iter().min_by_key(|(run, _)| off(run)).map_or(0.0, |(_, level)| *level)
+    };
     for f in 0..frames {
         let bare = needs[f].0 > BEARS && !stands.iter().any(|s| s[f]);
-        if let Some(sole) = lowest(f).filter(|s| bare && heights[f][*s] - level[*s] < NEAR_M) {
+        if let Some(sole) = lowest(f).filter(|s| bare && heights[f][*s] - level(f, *s) < NEAR_M) {
             stands[sole][f] = true;
         }
     }
@@ -115,6 +130,7 @@ pub(crate) fn borne(
             }
         }
     }
+    lifted(&mut stands, needs, &heights, rate_hz);
     let mut contacts: Vec<Contact> =
         plan.contacts().iter().filter(|c| !soles.iter().any(|s| s.name == c.point)).cloned().collect();
     for (sole, stands) in soles.iter().zip(&stands) {
@@ -127,6 +143,36 @@ pub(crate) fn borne(
     }
     // runs of frames are apart
     ContactPlan::new(contacts).unwrap_or_else(|_| plan.clone())
+}
+
+/// Soles that are on their way up or down beside a flight do not stand: they are [`LIFTED_M`] over where they are lowest in the contact, no
+/// other stands, and the ground need not bear the body yet or any more.
+fn lifted(stands: &mut [Vec<bool>], needs: &[(f64, Option<Vec2>)], heights: &[Vec<f64>], rate_hz: f64) {
+    let (frames, found) = (needs.len(), stands.to_vec());
+    for sole in 0..found.len() {
+        for run in runs(0..frames, |f| found[sole][f]) {
+            let low = run.clone().map(|f| heights[f][sole]).fold(f64::INFINITY, f64::min);
+            let light = |f: usize| {
+                let around = (AROUND_S * rate_hz).round() as usize;
+                let near = &needs[f.saturating_sub(around)..(f + around + 1).min(frames)];
+                let most = near.iter().map(|n| n.0).fold(0.0, f64::max);
+                needs[f].0 < LIGHT.max(LIGHT_OF_MOST * most)
+            };
+            let up = |f: &usize| {
+                let alone = !(0..found.len()).any(|s| s != sole && found[s][*f]);
+                alone && heights[*f][sole] > low + LIFTED_M && light(*f)
+            };
+            let most = (CONTACT_S * rate_hz).round() as usize;
+            let (from, to) = (run.start, run.end);
+            // the motion may begin or end in a contact
+            if from > 0 {
+                run.clone().take(most).take_while(up).for_each(|f| stands[sole][f] = false);
+            }
+            if to < frames {
+                run.rev().take(most).take_while(up).for_each(|f| stands[sole][f] = false);
+            }
+        }
+    }
 }
 
 /// Whether the pressure `p` lies outside the soles that stand, and `sole` would bring it nearer.

@@ -12,12 +12,13 @@
 
 use dynamics::digest::Digest;
 use dynamics::{ContactSample, Model, State};
+use motion::Vec3;
 
 use crate::balance::Balance;
 use crate::feed;
 use crate::plan::{JointControl, Plan, Sagging};
 use crate::reactive::{ControlStep, Impedance, Reactive, ReactiveError};
-use crate::support::{Foot, polygon, wrenches};
+use crate::support::{Foot, polygon, shared_wrenches, shares, within_allowance, wrenches};
 use crate::{Drive, Goal, Rest, rest_of};
 
 /// A foot of the goal stands when its lowest corner is this near the ground, m, …
@@ -237,7 +238,11 @@ impl Controller {
         state.update(model, q, v);
         state.inverse_dynamics(model, v, vd, &[], tau);
         let Some(ground_m) = plan.ground_m else { return };
-        let support = ground_reaction(&plan.feet, model, state, tau, ground_m);
+        let support = if plan.bears.is_empty() {
+            ground_reaction(&plan.feet, model, state, tau, ground_m)
+        } else {
+            planned_reaction(plan, row, model, state, tau, ground_m)
+        };
         if !support.is_empty() {
             state.inverse_dynamics(model, v, vd, &support, tau);
         }
@@ -286,6 +291,34 @@ impl Controller {
             None => *span = Some(now),
         }
     }
+}
+
+/// The root wrench that `tau` asks for, passed to the feet that stand in `row` by the plan, none of which takes more than its
+/// allowance; see [`ground_reaction`].
+fn planned_reaction(
+    plan: &Plan,
+    row: usize,
+    model: &Model,
+    state: &State,
+    tau: &[f64],
+    ground_m: f64,
+) -> Vec<dynamics::Wrench> {
+    let allowed = |i: usize| plan.bears[i].get(row).copied().unwrap_or(0.0);
+    let (standing, most): (Vec<Foot>, Vec<f64>) = plan
+        .feet
+        .iter()
+        .enumerate()
+        .filter(|(i, _)| allowed(*i) > 0.0)
+        .map(|(i, foot)| (foot.clone(), allowed(i)))
+        .unzip();
+    let Some((force, pressure)) = feed::pressure(state, tau, ground_m) else { return Vec::new() };
+    if standing.is_empty() {
+        return Vec::new();
+    }
+    let pressure = polygon(&standing, model, state).nearest(&pressure).unwrap_or(pressure);
+    let centers: Vec<Vec3> = standing.iter().map(|f| f.center(model, state)).collect();
+    let shares = within_allowance(&shares(&centers, pressure), &most);
+    shared_wrenches(&standing, &centers, &shares, pressure, force)
 }
 
 /// The root wrench that `tau` asks for, passed to the feet that stand: its force at its centre of

@@ -21,6 +21,8 @@
 //!
 //! In: a path, `L̇`, a [`Ground`]. Out: how far each frame moves. Linear in the number of frames. World frame, y up; m, s.
 
+use std::ops::Range;
+
 use dynamics::{Model, State};
 use motion::support::{Support, Vec2, ground};
 use motion::{Clip, ContactPlan, Derivatives, Kinematics, Sole, Vec3, smoothstep};
@@ -68,12 +70,8 @@ impl Ground {
             let corners: Vec<Vec3> =
                 sole.in_link(&k).iter().map(|c| place.transform_point(&(*c).into()).coords).collect();
             let span = contact.frames(rate_hz, frames);
-            let ramp = LOADS_S * rate_hz;
             for f in span.clone() {
-                // a contact that the clip begins or ends in is loaded already
-                let since = if span.start == 0 { ramp } else { (f - span.start) as f64 };
-                let until = if span.end == frames { ramp } else { (span.end - 1 - f) as f64 };
-                let share = smoothstep((since.min(until) + 0.5) / ramp.max(1.0));
+                let share = allowance(&span, f, rate_hz, frames);
                 stands[f].push(Standing { share, corners: corners.clone() });
             }
         }
@@ -101,6 +99,15 @@ impl Ground {
     pub fn flies(&self, frame: usize) -> bool {
         self.hull[frame].is_empty() && !self.held[frame]
     }
+}
+
+/// The most of the load that a foot takes which stands in the frames `span` of so many, in one of them, 0 to 1: it takes it over
+/// [`LOADS_S`], and gives it off before it leaves. One that the motion begins or ends in is loaded already.
+pub fn allowance(span: &Range<usize>, frame: usize, rate_hz: f64, frames: usize) -> f64 {
+    let ramp = LOADS_S * rate_hz;
+    let since = if span.start == 0 { ramp } else { (frame - span.start) as f64 };
+    let until = if span.end == frames { ramp } else { (span.end - 1 - frame) as f64 };
+    smoothstep((since.min(until) + 0.5) / ramp.max(1.0))
 }
 
 #[derive(Clone)]

@@ -5,13 +5,14 @@
 //! clip asked for; and in words what shifts, and what could not be made possible.
 //!
 //! The motion is smoothed as inverse dynamics smooths it. The upper body keeps its pose; the root moves it, and legs
-//! are solved by IK to feet that roll where they stand. Units: m, s; world frame, y up.
+//! are solved by IK to feet that roll where they stand, without what IK makes of nearly straight knees. Units: m, s; world frame, y up.
 
 use bodies::Character;
 use dynamics::analysis::smoothed;
 use dynamics::{Model, State};
 use motion::ik::{IkError, Reach, solve_two_bone_oriented};
 use motion::plant::{Knee, Plant, shortfall};
+use motion::smooth::whittaker::{Whittaker, lambda};
 use motion::support::Vec2;
 use motion::tread::{Tread, treads};
 use motion::{Clip, ContactPlan, Kinematics, Limb, Sole, Transform, Vec3, runs};
@@ -22,6 +23,9 @@ use crate::unmet::{Unmet, WeightShift};
 
 /// What legs cannot reach is made up for over this time before and after, s.
 const REACH_S: f64 = 0.06;
+/// Knees of legs that are nearly straight turn by degrees for a millimetre of the foot. What IK changes of a leg keeps half of its amplitude at
+/// this frequency, and the foot gives way by millimetres, Hz.
+const EASED_HZ: f64 = 5.0;
 /// Rounds of path and pose: legs that move change the angular momentum a little.
 const ROUNDS: usize = 4;
 /// The centre of mass is brought this near to its path, m: differences of it are accelerations.
@@ -91,9 +95,20 @@ impl Leg {
     }
 }
 
-/// Makes the motion of `clip` possible on the feet of `character`, standing as `plan` says; `ground_m` is the height of the ground
-/// that contacts without a place stand on, `friction` its coefficient. A found plan gives way a little where forces
-/// speak against it (`given` false); one that a person gave does not. See the module header.
+/// The ground that a motion is made possible on.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Level {
+    /// Its height, m.
+    pub height_m: f64,
+    /// Coulomb friction coefficient.
+    pub friction: f64,
+    /// Whether its height was found of the clip's soles. It is then moved to where they lie flat on average (or where a given plan has them), so that
+    /// the body is not: a guessed sole is some centimetres off.
+    pub found: bool,
+}
+
+/// Makes the motion of `clip` possible on the feet of `character`, standing as `plan` says, over `level` ground. A found plan gives way a
+/// little where forces speak against it (`given` false); one that a person gave does not. See the module header.
 ///
 /// # Errors
 /// Legs that two-bone IK cannot solve.
@@ -102,7 +117,7 @@ pub fn possible(
     clip: &Clip,
     plan: &ContactPlan,
     given: bool,
-    (ground_m, friction): (f64, f64),
+    level: Level,
     gravity: Vec3,
 ) -> Result<Possible, IkError> {
     let model = Model::new(character, gravity);
@@ -111,15 +126,25 @@ pub fn possible(
     let soles: Vec<Sole> = legs.iter().map(|(_, sole)| sole.clone()).collect();
     let mut base = smoothed(&model, clip);
     // the floor of the capture, which need not be that of the performance
-    let floor_m = motion::contacts(&base, &soles).1.unwrap_or(ground_m);
+    let floor_m = motion::contacts(&base, &soles).1.unwrap_or(level.height_m);
     let needs = needs(&model, &base, floor_m);
     let plan = if given { plan.clone() } else { borne(plan, &needs, &base, &soles, floor_m) };
-    let plan = motion::contacts::placed(&plan, &base, &soles, ground_m);
-    let ways = treads(&base, &soles, &plan, ground_m);
+    let feet = |ground_m: f64| {
+        let plan = motion::contacts::placed(&plan, &base, &soles, ground_m);
+        let ways = treads(&base, &soles, &plan, ground_m);
+        (plan, ways, ground_m)
+    };
+    let (plan, ways, ground_m) = match feet(level.height_m) {
+        (plan, _, _) if level.found && given => {
+            feet(stood_on(&plan, &soles, &base).unwrap_or(level.height_m))
+        }
+        (_, ways, ground_m) if level.found => feet(ground_m - risen(&ways)),
+        as_asked => as_asked,
+    };
     lift(&mut base, &ways);
     let legs: Vec<Leg> =
         legs.into_iter().zip(ways).map(|((limb, _), tread)| Leg::new(limb, tread, &plan, &base)).collect();
-    let mut ground = Ground::of(&plan, &soles, &base, ground_m, friction);
+    let mut ground = Ground::of(&plan, &soles, &base, ground_m, level.friction);
     for run in runs(0..base.frames(), |f| ground.hull[f].is_empty() && needs[f].0 > BEARS) {
         // shorter ones are what smoothing leaves of a take-off
         if run.len() as f64 >= HELD_S * base.rate_hz {
@@ -134,10 +159,26 @@ pub fn possible(
     Ok(Possible { plan, clip: solved.clip, ground_m, shift: solved.shift, shifts, unmet, measures })
 }
 
+/// How far soles were lifted, on average, m.
+fn risen(ways: &[Tread]) -> f64 {
+    let moved: Vec<f64> = ways.iter().filter(|w| !w.flat.is_empty()).map(|w| w.moved.y).collect();
+    moved.iter().sum::<f64>() / moved.len().max(1) as f64
+}
+
+/// The lowest ground that soles stand on by a plan, m; `None` of one without places.
+fn stood_on(plan: &ContactPlan, soles: &[Sole], clip: &Clip) -> Option<f64> {
+    let k = Kinematics::new(&clip.skeleton, clip.pose(0));
+    let corners = plan.contacts().iter().filter_map(|c| {
+        let sole = soles.iter().find(|s| s.name == c.point)?;
+        let place = c.world_from_point?;
+        Some(sole.in_link(&k).into_iter().map(move |at| place.transform_point(&at.into()).y))
+    });
+    corners.flatten().min_by(f64::total_cmp)
+}
+
 /// Lifts the root as far as its soles were lifted, on average.
 fn lift(clip: &mut Clip, ways: &[Tread]) {
-    let moved: Vec<f64> = ways.iter().filter(|w| !w.flat.is_empty()).map(|w| w.moved.y).collect();
-    let by = moved.iter().sum::<f64>() / moved.len().max(1) as f64;
+    let by = risen(ways);
     let skeleton = clip.skeleton.clone();
     for f in 0..clip.frames() {
         let q = clip.pose_mut(f);
@@ -255,7 +296,44 @@ impl Solver<'_> {
                 at += off * if turn < 20 { 1.0 } else { 0.5 };
             }
         }
+        self.ease(&mut clip, com, shift);
         Ok(Solved { clip, shift: shift.to_vec(), missing })
+    }
+
+    /// What IK changed of the legs, without what is faster than [`EASED_HZ`]; the root once more such that the centre of mass is on its path.
+    fn ease(&self, clip: &mut Clip, com: &[Vec3], shift: &[Vec3]) {
+        let skeleton = &self.base.skeleton;
+        let (frames, nv) = (clip.frames(), skeleton.nv());
+        let of_leg = |link: usize| {
+            self.legs.iter().any(|leg| {
+                link == leg.limb.upper || skeleton.ancestors(link).any(|above| above == leg.limb.upper)
+            })
+        };
+        let columns: Vec<usize> = (0..skeleton.links().len())
+            .filter(|link| of_leg(*link))
+            .flat_map(|link| {
+                let at = skeleton.v_at(link);
+                at..at + skeleton.links()[link].joint.nv()
+            })
+            .collect();
+        let mut changed = vec![0.0; nv];
+        let mut path = Vec::with_capacity(frames * columns.len());
+        for f in 0..frames {
+            skeleton.difference(self.base.pose(f), clip.pose(f), 1.0, &mut changed);
+            path.extend(columns.iter().map(|k| changed[*k]));
+        }
+        let smooth = Whittaker::new(frames, lambda(EASED_HZ, clip.rate_hz)).smooth(&path, columns.len());
+        let mut state = State::new(self.model);
+        for f in 0..frames {
+            changed.fill(0.0);
+            columns.iter().zip(&smooth[f * columns.len()..]).for_each(|(k, eased)| changed[*k] = *eased);
+            let q = clip.pose_mut(f);
+            q.copy_from_slice(self.base.pose(f));
+            skeleton.integrate(q, &changed, 1.0);
+            state.update_pose(self.model, q);
+            let at = skeleton.position(q, 0) + com[f] + shift[f] - state.com(self.model);
+            skeleton.set_position(q, 0, &at);
+        }
     }
 
     /// Distance of the pressure outside the soles in every frame that stands, m; `None` where it is not known.

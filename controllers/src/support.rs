@@ -93,6 +93,19 @@ pub fn shares(centers: &[Vec3], cop: Vec2) -> Vec<f64> {
     }
 }
 
+/// `shares` (which sum to 1) of which none is more than its part of the largest of `most`: what is too much for one goes to those with room.
+pub fn within_allowance(shares: &[f64], most: &[f64]) -> Vec<f64> {
+    let largest = most.iter().copied().fold(f64::MIN_POSITIVE, f64::max);
+    let within: Vec<f64> = shares.iter().zip(most).map(|(s, m)| s.min(m / largest)).collect();
+    let room: Vec<f64> = within.iter().zip(most).map(|(s, m)| m / largest - s).collect();
+    let left = 1.0 - within.iter().sum::<f64>();
+    let all: f64 = room.iter().sum();
+    if left <= 0.0 || all <= 0.0 {
+        return within;
+    }
+    within.iter().zip(&room).map(|(s, r)| s + left * r / all).collect()
+}
+
 /// Wrenches on the feet that sum to `force` (N) with its centre of pressure at `cop`.
 pub fn wrenches(feet: &[Foot], model: &Model, state: &State, cop: Vec2, force: Vec3) -> Vec<Wrench> {
     let centers: Vec<Vec3> = feet.iter().map(|f| f.center(model, state)).collect();
@@ -155,6 +168,25 @@ pub fn pressed_wrenches(
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    /// Shares keep their sum, and none is more than allowed.
+    #[test]
+    fn shares_are_allowed() {
+        for (shares, most) in [
+            ([0.8, 0.2], [0.3, 1.0]),
+            ([0.8, 0.2], [1.0, 1.0]),
+            ([0.5, 0.5], [0.02, 0.01]),
+            ([0.0, 1.0], [1.0, 0.25]),
+        ] {
+            let all = within_allowance(&shares, &most);
+            let largest = most[0].max(most[1]);
+            assert!((all.iter().sum::<f64>() - 1.0).abs() < 1e-12, "{all:?}");
+            assert!(all.iter().zip(most).all(|(s, m)| *s <= m / largest + 1e-12 && *s >= 0.0), "{all:?}");
+        }
+        assert_eq!(within_allowance(&[0.8, 0.2], &[1.0, 1.0]), [0.8, 0.2]);
+        assert!(within_allowance(&[], &[]).is_empty());
+        assert_eq!(within_allowance(&[0.0, 0.0], &[0.0, 0.0]), [0.0, 0.0]);
+    }
 
     fn sole() -> Support {
         let corners = [(0.0, 0.0), (0.1, 0.0), (0.12, 0.25), (-0.01, 0.25)];

@@ -10,6 +10,8 @@ use motion::{Clip, ContactPlan, Kinematics, Sole, Vec3};
 const WORTH_M: f64 = 0.02;
 /// Times of trouble closer than this are one, s.
 const NEAR_S: f64 = 0.1;
+/// Shorter trouble is not worth a word, s.
+const LASTS_S: f64 = 0.05;
 
 /// A shift of the weight.
 #[derive(Clone, Debug, PartialEq)]
@@ -135,7 +137,7 @@ impl fmt::Display for Unmet {
 }
 
 impl Unmet {
-    /// The times in which a value is above its limit, those near one another as one.
+    /// The times in which a value is above its limit for [`LASTS_S`], those near one another as one.
     pub(crate) fn spans(
         values: &[f64],
         limit: f64,
@@ -149,6 +151,7 @@ impl Unmet {
                 None => spans.push((f, f, *value)),
             }
         }
+        spans.retain(|(a, b, _)| (b - a + 1) as f64 >= LASTS_S * rate_hz);
         spans.into_iter().map(|(a, b, by)| of(a as f64 / rate_hz, b as f64 / rate_hz, by)).collect()
     }
 }

@@ -150,6 +150,7 @@ fn drives(
         tension: 1.0,
         plants: plants.to_vec(),
         ground_m: None,
+        contacts: motion::ContactPlan::default(),
         balance,
         blend: GainBlend::RestAngle,
     };

@@ -47,6 +47,7 @@ pub fn standing_weight(bridge: &Shared, take: &Take) -> Result<Check, PassError>
                 tension: 1.0,
                 plants: take.asked.plants.clone(),
                 ground_m: p.ground.map(|g| g.height_m),
+                contacts: motion::ContactPlan::default(),
                 balance: BalanceSettings::default(),
                 blend: GainBlend::RestAngle,
             },

@@ -48,6 +48,7 @@ fn standing(reactive: Vec<Box<dyn Reactive>>) -> Run {
             tension: 1.0,
             plants: c.legs().map(|l| Plant::here(s, &c.rest, l)).collect(),
             ground_m: None,
+            contacts: motion::ContactPlan::default(),
             balance: BalanceSettings::default(),
             blend: GainBlend::RestAngle,
         },

@@ -62,6 +62,7 @@ fn whole(c: &Arc<Character>, scripted: bool) -> Run {
         tension: 1.0,
         plants: c.legs().map(|l| Plant::here(s, &c.rest, l)).collect(),
         ground_m: None,
+        contacts: motion::ContactPlan::default(),
         balance: BalanceSettings::default(),
         blend: GainBlend::RestAngle,
     };

@@ -151,6 +151,7 @@ fn wave() -> Pass {
         tension: 1.0,
         plants: Vec::new(),
         ground_m: None,
+        contacts: motion::ContactPlan::default(),
         balance: BalanceSettings::default(),
         blend: GainBlend::RestAngle,
         character: c,

@@ -1,13 +1,15 @@
 //! Captured clips performed free: which keep their feet, how near they stay, what it costs.
 //!
-//! In: clips or scenes, and how to perform. Out: a line per clip and seed; of several seeds the worst of a clip counts in the summary.
+//! In: clips, scenes, or folders of clips (those that stand from beginning to end are left out), and how to perform. Out: a line per clip and seed; of several
+//! seeds the worst of a clip counts in the summary, which says how many clips keep each bound.
 //!
 //! ```sh
-//! cargo run --release -p takes --example on_its_feet -- --tension 2 --seeds 1,2,3 ../shared/mocap/bvh/16_16.bvh
+//! cargo run --release -p takes --example on_its_feet -- --tension 2 --seeds 1,2,3 ../shared/mocap/bvh
+//! cargo run --release -p takes --example on_its_feet -- --tension 2 --draft ../shared/mocap/bvh/16_16.bvh
 //! ```
 
 use controllers::Goal;
-use dynamics::analysis::smoothed;
+use dynamics::analysis::{AnalysisError, AnalysisOptions, analyze, smoothed};
 use dynamics::{Model, Trace, Walked};
 use motion::Kinematics;
 use motion::names::Word;
@@ -17,13 +19,22 @@ use std::path::{Path, PathBuf};
 use takes::overrides::{RootChoice, SoleName, ToesName};
 use takes::{Ask, Overrides, Take};
 
+/// Clips of the folder that stand from beginning to end.
+const STANDS: [&str; 8] = ["02_05", "05_06", "104_41", "127_01", "135_04", "135_08", "14_24", "14_37"];
+
 struct Line {
     name: String,
     seconds: f64,
     walked: Walked,
+    /// Whether it leaves the ground: a run, a jump.
+    flies: bool,
+    /// Distance of the centres of all links of the motion made possible from the capture, RMS, mm.
+    made_mm: f64,
+    /// Largest vertical force over 20 ms that inverse dynamics of the capture requires, in weights.
+    required_peak: f64,
     /// Distance of the centres of all links from the capture while it kept its feet, RMS, mm.
     capture_mm: f64,
-    /// Joint acceleration over that of the smoothed motion.
+    /// Joint acceleration over that of the smoothed capture.
     acceleration: f64,
     offsets_deg: f64,
     cost_s: f64,
@@ -38,28 +49,24 @@ fn cpu_s() -> f64 {
     (ticks(11) + ticks(12)) / 100.0
 }
 
-/// RMS joint acceleration of the smoothed motion asked for, rad/s².
+/// RMS joint acceleration of the smoothed capture, rad/s².
 fn asked_acceleration(take: &Take) -> f64 {
     let model = Model::new(take.character(), take.conditions.physics.gravity);
-    let goal = Goal::new(&smoothed(&model, &take.asked.clip), take.control_rate_hz());
+    let goal = Goal::new(&smoothed(&model, &take.unedited), take.control_rate_hz());
     let nv = model.nv();
     let all = (0..goal.rows()).flat_map(|row| goal.acceleration(row)[6..].to_vec());
     let sum: f64 = all.map(|x| x * x).sum();
     (sum / (goal.rows() * (nv - 6)).max(1) as f64).sqrt()
 }
 
-/// Distance of the centres of all links from the clip as captured, over its frames until `until_s`, RMS, mm.
-fn capture_mm(take: &Take, trace: &Trace, until_s: f64) -> f64 {
+/// Distance of the centres of all links from the clip as captured, over its frames for which there is a pose, RMS, mm.
+fn capture_mm<'a>(take: &Take, pose: impl Fn(f64) -> Option<&'a [f64]>) -> f64 {
     let character = take.character();
     let (skeleton, clip) = (&character.skeleton, &take.unedited);
     let (mut sum, mut count) = (0.0, 0);
     for frame in 0..clip.frames() {
-        let t = frame as f64 / clip.rate_hz;
-        let row = (t * trace.rate_hz).round() as usize;
-        if t > until_s || row >= trace.rows() {
-            break;
-        }
-        let performed = Kinematics::new(skeleton, trace.pose(row));
+        let Some(pose) = pose(frame as f64 / clip.rate_hz) else { break };
+        let performed = Kinematics::new(skeleton, pose);
         let captured = Kinematics::new(skeleton, clip.pose(frame));
         for (link, body) in character.bodies.iter().enumerate().filter(|(_, b)| b.mass > 0.0) {
             let apart = performed.point(link, &body.com) - captured.point(link, &body.com);
@@ -96,8 +103,35 @@ fn vertical(trace: &Trace) -> String {
     text + "\n"
 }
 
+/// The same of the pose that a trace has at a time, until `until_s`.
+fn performed_mm(take: &Take, trace: &Trace, until_s: f64) -> f64 {
+    capture_mm(take, |t| {
+        let row = (t * trace.rate_hz).round() as usize;
+        (t <= until_s && row < trace.rows()).then(|| trace.pose(row))
+    })
+}
+
+/// Largest mean over 20 ms of the vertical force that the capture requires of the ground, in weights.
+fn required_peak(take: &Take) -> Result<f64, AnalysisError> {
+    let options = AnalysisOptions { gravity: take.conditions.physics.gravity, ..AnalysisOptions::default() };
+    let a = analyze(take.character(), &take.unedited, &options)?;
+    let width = ((0.02 * a.rate_hz()).round() as usize).max(1);
+    let up: Vec<f64> = a.required_force.chunks_exact(3).map(|f| f[1]).collect();
+    let means = up[a.ends.graded.clone()].windows(width).map(|w| w.iter().sum::<f64>() / width as f64);
+    Ok(means.fold(0.0, f64::max) / a.weight())
+}
+
 fn perform(path: &Path, ask: &Ask, forces: Option<&Path>) -> Result<Line, Box<dyn std::error::Error>> {
     let take = takes::open(path, ask)?;
+    let required_peak = required_peak(&take)?;
+    // what is opened with foresight is made possible already
+    let asked = &take.asked.clip;
+    let flies =
+        (0..asked.frames()).any(|f| take.asked.contacts.at(f as f64 / asked.rate_hz).next().is_none());
+    let made_mm = capture_mm(&take, |t| {
+        let frame = (t * asked.rate_hz).round() as usize;
+        (frame < asked.frames()).then(|| asked.pose(frame))
+    });
     let started = cpu_s();
     let asked = asked_acceleration(&take);
     let rows = Goal::new(&take.asked.clip, take.control_rate_hz()).rows();
@@ -112,10 +146,80 @@ fn perform(path: &Path, ask: &Ask, forces: Option<&Path>) -> Result<Line, Box<dy
         seconds,
         acceleration: walked.acceleration / asked.max(1e-9),
         offsets_deg: outcome.foresight.as_ref().map_or(0.0, |f| f.offset_rms().to_degrees()),
-        capture_mm: capture_mm(&take, &outcome.trace, walked.kept_s),
+        flies,
+        made_mm,
+        required_peak,
+        capture_mm: performed_mm(&take, &outcome.trace, walked.kept_s),
         cost_s: (cpu_s() - started) / walked.kept_s.max(1e-9),
         walked,
     })
+}
+
+fn longest_slip_mm(w: &Walked) -> f64 {
+    w.slips_mm.iter().fold(0.0_f64, |a, b| a.max(*b))
+}
+
+/// The clips of a folder that step, in the order of their names; a file as it is.
+fn clips(path: PathBuf) -> std::io::Result<Vec<PathBuf>> {
+    if !path.is_dir() {
+        return Ok(vec![path]);
+    }
+    let files = std::fs::read_dir(path)?.map(|e| Ok(e?.path())).collect::<std::io::Result<Vec<_>>>()?;
+    let steps = |f: &PathBuf| {
+        let stem = f.file_stem().unwrap_or_default().to_string_lossy();
+        f.extension().is_some_and(|e| e == "bvh") && !STANDS.iter().any(|s| stem.starts_with(s))
+    };
+    let mut files: Vec<PathBuf> = files.into_iter().filter(steps).collect();
+    files.sort();
+    Ok(files)
+}
+
+/// What the worst seeds of all clips come to, bound by bound.
+fn summary(worst: &[Line]) {
+    let kept: Vec<&Line> = worst.iter().filter(|l| l.walked.lost.is_none()).collect();
+    let count = |of: &dyn Fn(&Line) -> bool| kept.iter().filter(|l| of(l)).count();
+    let median = |of: &dyn Fn(&Line) -> f64| {
+        let mut all: Vec<f64> = kept.iter().map(|l| of(l)).collect();
+        all.sort_by(f64::total_cmp);
+        all.get(all.len() / 2).copied().unwrap_or(f64::NAN)
+    };
+    let n = kept.len();
+    let (walks, flying) = (count(&|l| !l.flies), count(&|l| l.flies));
+    println!("{n} of {} keep their feet", worst.len());
+    println!(
+        "links from the capture: {} within 60 mm, median {:.0} mm; of what was asked: median {:.0} mm; the motion made possible: median {:.0} mm",
+        count(&|l| l.capture_mm <= 60.0),
+        median(&|l| l.capture_mm),
+        median(&|l| l.walked.links_mm),
+        median(&|l| l.made_mm)
+    );
+    println!(
+        "joint acceleration: median {:.2} of the asked, {} of {n} within 1.25",
+        median(&|l| l.acceleration),
+        count(&|l| l.acceleration <= 1.25)
+    );
+    let stances: Vec<f64> = kept.iter().flat_map(|l| l.walked.slips_mm.iter().copied()).collect();
+    println!(
+        "slip: {} of {} stances within 15 mm, every stance of {} of {n} clips; worst {:.0} mm",
+        stances.iter().filter(|s| **s <= 15.0).count(),
+        stances.len(),
+        count(&|l| longest_slip_mm(&l.walked) <= 15.0),
+        stances.iter().copied().fold(0.0, f64::max)
+    );
+    let near = |l: &Line| (l.walked.peak / l.required_peak - 1.0).abs() <= 0.25;
+    println!(
+        "vertical peaks within 25 % of the required: {} of {walks} that walk, {} of {flying} that fly; over the required: median {:.2}",
+        count(&|l| !l.flies && near(l)),
+        count(&|l| l.flies && near(l)),
+        median(&|l| l.walked.peak / l.required_peak)
+    );
+    println!(
+        "unexplained force: {} of {walks} that walk within 0.5 %, {} of {flying} that fly within 1.5 %",
+        count(&|l| !l.flies && l.walked.unexplained <= 0.5),
+        count(&|l| l.flies && l.walked.unexplained <= 1.5)
+    );
+    let cost = kept.iter().map(|l| l.cost_s).fold(0.0, f64::max);
+    println!("CPU-s per second of clip: median {:.1}, worst {cost:.1}", median(&|l| l.cost_s));
 }
 
 fn print(line: &Line, seed: u64) {
@@ -125,17 +229,19 @@ fn print(line: &Line, seed: u64) {
         Some((t, loss)) => format!("{t:.2} s: {loss}"),
     };
     println!(
-        "{:<18} {seed:>2} {:>6.2} of {:>5.2} s  {:>4.0} mm (capture {:>4.0}) {:>5.1}°  slip {:>4.0} (worst {:>4.0}) mm  acc {:>4.2}  peak {:>4.2}  unexpl {:>5.2} %  offsets {:>4.1}°  {:>5.1} CPU-s/s  {end}",
+        "{:<18} {seed:>2} {:>6.2} of {:>5.2} s  {:>4.0} mm (capture {:>4.0}, made {:>3.0}) {:>5.1}°  slip {:>4.0} (worst {:>4.0}) mm  acc {:>4.2}  peak {:>4.2} of {:>4.2}  unexpl {:>5.2} %  offsets {:>4.1}°  {:>5.1} CPU-s/s  {end}",
         line.name,
         w.kept_s,
         line.seconds,
         w.links_mm,
         line.capture_mm,
+        line.made_mm,
         w.joints_deg,
         w.slip_mm(),
-        w.slips_mm.iter().fold(0.0_f64, |a, b| a.max(*b)),
+        longest_slip_mm(w),
         line.acceleration,
         w.peak,
+        line.required_peak,
         w.unexplained,
         line.offsets_deg,
         line.cost_s,
@@ -173,6 +279,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
             "--com" => settings.scales.com_m = value()?.parse()?,
             "--velocity" => settings.scales.velocity_m_s = value()?.parse()?,
             "--pose" => settings.scales.pose_rad = value()?.parse()?,
+            "--stand" => settings.scales.stand_m = value()?.parse()?,
             "--feet" => settings.scales.feet_m = value()?.parse()?,
             "--root" => settings.scales.root_rad = value()?.parse()?,
             "--spin" => settings.scales.spin_nms = value()?.parse()?,
@@ -183,7 +290,8 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
             "--toes" => toes = Some(ToesName::find(&value()?).map_err(|e| e.to_string())?),
             "--forces" => forces = Some(PathBuf::from(value()?)),
             "--until" => span_s = Some((0.0, value()?.parse()?)),
-            _ => files.push(arg.into()),
+            "--draft" => settings = Settings::draft(),
+            _ => files.extend(clips(arg.into())?),
         }
     }
     let mut worst: Vec<Line> = Vec::new();
@@ -213,21 +321,6 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         };
         worst.extend(lines.into_iter().max_by(order));
     }
-    let kept: Vec<&Line> = worst.iter().filter(|l| l.walked.lost.is_none()).collect();
-    let median = |of: &dyn Fn(&Line) -> f64| {
-        let mut all: Vec<f64> = kept.iter().map(|l| of(l)).collect();
-        all.sort_by(f64::total_cmp);
-        all.get(all.len() / 2).copied().unwrap_or(f64::NAN)
-    };
-    println!(
-        "{} of {} keep their feet; links from the capture: median {:.0} mm, {} within 60 mm; joint acceleration {:.2}; slip {:.0} mm; {:.1} CPU-s/s",
-        kept.len(),
-        worst.len(),
-        median(&|l| l.capture_mm),
-        kept.iter().filter(|l| l.capture_mm <= 60.0).count(),
-        median(&|l| l.acceleration),
-        median(&|l| l.walked.slip_mm()),
-        median(&|l| l.cost_s),
-    );
+    summary(&worst);
     Ok(())
 }

@@ -4,7 +4,7 @@
 //! for scripts, clips and retargeted characters.
 
 use bodies::Character;
-use controllers::stepping::{Measures, Possible, possible};
+use controllers::stepping::{Level, Measures, Possible, possible};
 use dynamics::Model;
 use dynamics::analysis::smoothed;
 use dynamics::conditions::RootMode;
@@ -39,13 +39,19 @@ impl Take {
         // a height that was given is the stance's; one that was found is that of the soles
         let given_height = asked.stance.as_ref().is_some_and(|s| s.ground_m == floor.height_m);
         let found = contacts(&character, &asked.clip).1.filter(|_| !given_height);
-        let ground = (found.unwrap_or(floor.height_m), floor.friction);
+        let retargeted = matches!(self.source, Source::Retarget(_));
+        let level = Level {
+            height_m: found.unwrap_or(floor.height_m),
+            friction: floor.friction,
+            // a retargeted motion was made for its ground
+            found: found.is_some() && !retargeted,
+        };
         // contacts of a capture are found, and give way to forces; those of a retargeted motion are what it was made with
-        let given = asked.contacts_given || matches!(self.source, Source::Retarget(_));
+        let given = asked.contacts_given || retargeted;
         // characters that are not human have their contacts by points
         let soles: Vec<Sole> = character.leg_soles().into_iter().map(|(_, sole)| sole).collect();
         let plan = by_soles(&asked.contacts, &character.skeleton, &soles);
-        possible(&character, &asked.clip, &plan, given, ground, physics.gravity).map(Some)
+        possible(&character, &asked.clip, &plan, given, level, physics.gravity).map(Some)
     }
 
     /// The body with what it carries all the time and knows of: a weight in the hand shifts the centre of mass that feet bear.

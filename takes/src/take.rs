@@ -228,6 +228,7 @@ impl Take {
                 tension: p.tension,
                 plants: if held || !self.has_ground() { Vec::new() } else { self.asked.plants.clone() },
                 ground_m: if held { None } else { p.ground.map(|g| g.height_m) },
+                contacts: if self.looks_ahead() { self.asked.contacts.clone() } else { Default::default() },
                 balance: p.balance,
                 blend: p.blend,
             },

@@ -41,6 +41,7 @@ pub fn follow(c: &Arc<Character>, clip: &Clip, gravity: Vec3, tension: f64, rate
         tension,
         plants: Vec::new(),
         ground_m: None,
+        contacts: motion::ContactPlan::default(),
         balance: BalanceSettings::default(),
         blend: GainBlend::RestAngle,
     };
@@ -134,6 +135,7 @@ pub fn perform(c: &Arc<Character>, tracks: &Tracks, root: RootMode, rate_hz: f64
         tension: 1.0,
         plants: if pinned { Vec::new() } else { plants },
         ground_m: None,
+        contacts: motion::ContactPlan::default(),
         balance: BalanceSettings::default(),
         blend: GainBlend::RestAngle,
     };

@@ -20,12 +20,13 @@ use bodies::Character;
 use dynamics::conditions::LEAST_GRAVITY;
 use dynamics::{Carrying, Model, State};
 use motion::plant::Plant;
-use motion::{Range, Tracks, Vec3};
+use motion::{ContactPlan, Range, Tracks, Vec3};
 
 use crate::antagonist::SetPoints;
 use crate::balance::{BalanceSettings, leg_bodies};
 use crate::feed::{self, Feed};
 use crate::reactive::Impedance;
+use crate::shift::allowance;
 use crate::support::Foot;
 use crate::tension::{Need, StanceLeg, TensionScale};
 use crate::transition::{GainBlend, Transition};
@@ -56,6 +57,9 @@ pub struct Setup {
     pub plants: Vec<Plant>,
     /// Height of the ground that carries the body, m; `None` when the root is pinned or hangs in the air.
     pub ground_m: Option<f64>,
+    /// Which feet stand when, each named by its leg, in a motion that is performed by looking ahead: the load of the ground is fed
+    /// forward to these. Empty: to the feet that are near the ground and slow.
+    pub contacts: ContactPlan,
     /// Parameters of the balance property.
     pub balance: BalanceSettings,
     /// What transitions interpolate.
@@ -147,6 +151,8 @@ pub struct Plan {
     pub(crate) sagging: Vec<Sagging>,
     /// Ground under feet that come and go; `None` where balance or a pin carries the body.
     pub(crate) ground_m: Option<f64>,
+    /// The most of the load that each foot takes in every row, by the contacts planned; empty without a plan.
+    pub(crate) bears: Vec<Vec<f64>>,
     /// Vertical acceleration of the goal's centre of mass per row, m/s².
     pub(crate) lift: Vec<f64>,
     /// Tension over time of joints performed as a dense clip.
@@ -230,6 +236,12 @@ impl Plan {
             None => stability = least_stability(&needs),
         }
         let stands = !standing.is_empty();
+        let bears = if setup.contacts.is_empty() {
+            Vec::new()
+        } else {
+            let (rate_hz, rows) = (setup.goal.rate_hz, setup.goal.rows());
+            feet.iter().map(|foot| allowances(&setup.contacts, &foot.limb.name, rate_hz, rows)).collect()
+        };
         let feeds = match (stands, &setup.tracks, setup.ground_m) {
             (true, None, Some(ground_m)) => feed::feeds(model, &setup.goal, ground_m),
             _ => Vec::new(),
@@ -252,6 +264,7 @@ impl Plan {
             blend: setup.blend,
             sagging,
             ground_m: if stands { None } else { setup.ground_m },
+            bears,
             lift,
             dense: setup.dense,
             feeds,
@@ -259,6 +272,12 @@ impl Plan {
             goal: setup.goal,
             models,
         }
+    }
+
+    /// The most of the load that each foot takes in every row, by the contacts planned, in the order of [`Self::feet`]; empty without
+    /// a plan.
+    pub fn bears(&self) -> &[Vec<f64>] {
+        &self.bears
     }
 
     /// Largest ω₀ dt/2 over the joints for a substep of `dt` s, and its body: what implicit integration
@@ -291,6 +310,16 @@ impl Plan {
         let at = self.stability.partition_point(|(r, _)| *r <= row);
         self.stability.get(at.saturating_sub(1)).map_or(0.0, |(_, least)| least[body])
     }
+}
+
+/// The most of the load that a foot takes in every row.
+fn allowances(contacts: &ContactPlan, foot: &str, rate_hz: f64, rows: usize) -> Vec<f64> {
+    let mut all = vec![0.0; rows];
+    for contact in contacts.of(foot) {
+        let span = contact.frames(rate_hz, rows);
+        span.clone().for_each(|row| all[row] = allowance(&span, row, rate_hz, rows));
+    }
+    all
 }
 
 /// Times of the poses whose loads make the scale, s.

@@ -28,6 +28,10 @@ pub(super) struct Asked {
 pub(super) struct Rows {
     goal: Goal,
     root_at: usize,
+    /// Largest vertical force asked for within [`NEAR_S`] of every row, in weights, 1 at least.
+    crest: Vec<f64>,
+    /// Per body that may stand and row, whether it stands by the plan of contacts; empty without a plan.
+    stands: Vec<Vec<bool>>,
     /// Drives and motion of row `r` at `r % len`.
     drives: Vec<Vec<Drive>>,
     asked: Vec<Asked>,
@@ -54,10 +58,69 @@ impl Rows {
         self.goal.pose(row)
     }
 
+    /// The largest vertical force that the motion asked for needs around `row`, in weights, 1 at least.
+    pub(super) fn crest(&self, row: usize) -> f64 {
+        self.crest[row.min(self.crest.len() - 1)]
+    }
+
+    /// Whether the body `support` of those that may stand does so in `row` by the plan of contacts.
+    pub(super) fn stands(&self, support: usize, row: usize) -> bool {
+        self.stands.get(support).and_then(|of| of.get(row)).copied().unwrap_or(false)
+    }
+
     /// Direction of the root asked for in `row`.
     pub(super) fn root(&self, row: usize) -> Quat {
         quat_at(self.pose(row), self.root_at)
     }
+}
+
+/// A force is asked for while one as large is within this time, s: a foot may land a little earlier or later.
+const NEAR_S: f64 = 0.03;
+/// Forces are means over this time, s.
+const FORCE_S: f64 = 0.02;
+
+/// Largest vertical force of a goal around every row, in weights. See [`Rows::crest`].
+fn crests(model: &Model, goal: &Goal) -> Vec<f64> {
+    let rows = goal.rows();
+    let weight = model.gravity.norm();
+    if weight <= 0.0 {
+        return vec![1.0; rows];
+    }
+    let up = -model.gravity / weight;
+    let mut state = State::new(model);
+    let speeds: Vec<f64> = (0..rows)
+        .map(|row| {
+            state.update(model, goal.pose(row), goal.velocity(row));
+            state.momentum(model).linear.dot(&up) / model.mass
+        })
+        .collect();
+    let half = ((0.5 * FORCE_S * goal.rate_hz).round() as usize).max(1);
+    let force = |row: usize| {
+        let (a, b) = (row.saturating_sub(half), (row + half).min(rows - 1));
+        1.0 + (speeds[b] - speeds[a]) * goal.rate_hz / ((b - a).max(1) as f64 * weight)
+    };
+    let forces: Vec<f64> = (0..rows).map(force).collect();
+    let near = (NEAR_S * goal.rate_hz).round() as usize;
+    let crest = |row: usize| {
+        let around = &forces[row.saturating_sub(near)..(row + near + 1).min(rows)];
+        around.iter().copied().fold(1.0, f64::max)
+    };
+    (0..rows).map(crest).collect()
+}
+
+/// Per support and row, whether it stands by the plan of contacts; empty without one.
+fn standing(plan: &Plan, supports: &[usize]) -> Vec<Vec<bool>> {
+    if plan.bears().is_empty() {
+        return Vec::new();
+    }
+    let of = |support: &usize| {
+        let mut all = vec![false; plan.goal.rows()];
+        for (_, bears) in plan.feet.iter().zip(plan.bears()).filter(|(foot, _)| foot.body == *support) {
+            all.iter_mut().zip(bears).for_each(|(stands, most)| *stands |= *most > 0.0);
+        }
+        all
+    };
+    supports.iter().map(of).collect()
 }
 
 /// Works out the rows to come. See the module header.
@@ -76,12 +139,15 @@ impl Ahead {
     pub(super) fn new(plan: &Plan, model: &Model, supports: Vec<usize>, rows: usize, parts: &[Part]) -> Self {
         let joints = std::iter::repeat_n(Drive::NONE, model.bodies.len());
         let drives: Vec<Drive> = joints.chain(parts.iter().map(crate::soles::drive)).collect();
+        let stands = standing(plan, &supports);
         let mut ahead = Self {
             controller: Controller::unanswering(plan.clone()),
             state: State::new(model),
             supports,
             known: 0,
             rows: Rows {
+                crest: crests(model, &plan.goal),
+                stands,
                 goal: plan.goal.clone(),
                 root_at: model.bodies[0].q_at + 3,
                 drives: vec![drives; rows + 1],

@@ -7,6 +7,9 @@
 //! *Feet go where the body falls.* The capture point c + ċ/ω₀, ω₀ = √(g/h), is the part of the motion that runs away. A foot is measured not from
 //! the place asked for, but from there moved by as much as the capture point has strayed: who is pushed to the left steps to the left. With
 //! feet held to their places a walk falls to the side within two seconds, at any number of rollouts that is affordable.
+//!
+//! *Feet that stand by the plan are on the ground*, at the height asked for: legs that the motion bends at a landing reach for a ground that comes
+//! early or late. *Impacts* are forces beyond those that the motion asks for at that moment.
 
 use dynamics::Model;
 use motion::rotation::log;
@@ -36,9 +39,11 @@ pub struct Scales {
     pub pose_rad: f64,
     /// Places of feet, m.
     pub feet_m: f64,
-    /// Vertical force beyond [`Self::soft`], parts of the weight.
+    /// Height of a foot while it stands by the plan, m.
+    pub stand_m: f64,
+    /// Vertical force beyond an impact's beginning, parts of the weight.
     pub impact: f64,
-    /// Vertical force at which an impact begins, parts of the weight.
+    /// Vertical force at which an impact begins, over the largest that is asked for around that time.
     pub soft: f64,
     /// Offsets, in their deviations.
     pub offset: f64,
@@ -56,8 +61,9 @@ impl Default for Scales {
             root_rad: 0.08,
             pose_rad: 0.1,
             feet_m: 0.07,
-            impact: 4.0,
-            soft: 3.0,
+            stand_m: 0.015,
+            impact: 0.5,
+            soft: 1.15,
             offset: 7.0,
             change: 2.5,
         }
@@ -77,6 +83,7 @@ pub(super) struct Cost {
     root: f64,
     pose: f64,
     feet: f64,
+    stand: f64,
     impact: f64,
     soft: f64,
     offset: f64,
@@ -99,6 +106,8 @@ const MASS: f64 = 70.0;
 pub(super) struct Gathered {
     impact: f64,
     steps: usize,
+    /// Vertical force of the last step, N.
+    load: f64,
 }
 
 /// A square of a distance over its scale, which beyond [`REACH`] scales grows with the distance itself (Huber). Who is thrown off the path comes
@@ -123,6 +132,7 @@ impl Cost {
             root: of(scales.root_rad),
             pose: of(scales.pose_rad),
             feet: of(scales.feet_m * height),
+            stand: of(scales.stand_m * height),
             impact: of(scales.impact),
             soft: scales.soft,
             offset: of(scales.offset),
@@ -134,12 +144,21 @@ impl Cost {
         }
     }
 
-    /// Adds a step to what a window gathered; `contacts` is scratch.
-    pub(super) fn gather(&self, core: &Core, contacts: &mut Vec<ContactForce>, to: &mut Gathered) {
+    /// Adds a step to what a window gathered; `crest`: the largest vertical force asked for around it, in weights; `contacts` is scratch.
+    pub(super) fn gather(
+        &self,
+        core: &Core,
+        crest: f64,
+        contacts: &mut Vec<ContactForce>,
+        to: &mut Gathered,
+    ) {
         contacts.clear();
         core.contacts(contacts);
         let load: f64 = contacts.iter().map(|c| c.force.y.max(0.0)).sum();
-        to.impact += (load / self.weight - self.soft).max(0.0).powi(2);
+        // a step is shorter than the 20 ms over which an impact is felt
+        let mean = if to.steps == 0 { load } else { 0.5 * (load + to.load) };
+        to.load = load;
+        to.impact += (mean / self.weight - self.soft * crest).max(0.0).powi(2);
         to.steps += 1;
     }
 
@@ -183,8 +202,12 @@ impl Cost {
             };
         }
         cost += pose / self.joints.len().max(1) as f64 * self.pose;
-        for (&foot, at) in self.supports.iter().zip(&asked.supports) {
-            cost += (core.state().bodies[foot].com - at - capture).norm_squared() * self.feet;
+        for (k, (&foot, at)) in self.supports.iter().zip(&asked.supports).enumerate() {
+            let off = core.state().bodies[foot].com - at;
+            cost += (off - capture).norm_squared() * self.feet;
+            if rows.stands(k, row) {
+                cost += off.y * off.y * self.stand;
+            }
         }
         cost
     }

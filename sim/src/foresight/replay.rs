@@ -109,6 +109,9 @@ pub(super) fn input(of: &Subject<'_>) -> Result<u64, ReactiveError> {
     }
     d.list(props, digest::prop);
     d.count(usize::from(*self_collision));
+    for bears in plan.bears() {
+        d.list(bears, |d, x| d.number(*x));
+    }
     d.list(of.stops, |d, x| d.number(*x));
     digest::character(&mut d, of.body);
     d.text(of.root.name().word());

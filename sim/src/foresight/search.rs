@@ -117,7 +117,7 @@ impl Question<'_> {
             if core.step().is_err() {
                 return LOST;
             }
-            self.cost.gather(core, &mut s.contacts, &mut gathered);
+            self.cost.gather(core, self.rows.crest(next), &mut s.contacts, &mut gathered);
             if row < (first + last) / 2 && next >= (first + last) / 2 {
                 middle = self.cost.of(core, self.rows, next);
             }

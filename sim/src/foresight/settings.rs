@@ -48,7 +48,7 @@ impl Default for Settings {
 }
 
 impl Settings {
-    /// For looking at a motion quickly: a third of the rollouts.
+    /// For looking at a motion quickly: four tenths of the rollouts.
     pub fn draft() -> Self {
         Self { rollouts: 240, ..Self::default() }
     }
