@@ -236,7 +236,9 @@ impl Plan {
             None => stability = least_stability(&needs),
         }
         let stands = !standing.is_empty();
-        let bears = if setup.contacts.is_empty() {
+        let planned = feet.iter().any(|foot| setup.contacts.of(&foot.limb.name).next().is_some());
+        // a plan of other points says nothing about feet
+        let bears = if !planned {
             Vec::new()
         } else {
             let (rate_hz, rows) = (setup.goal.rate_hz, setup.goal.rows());
