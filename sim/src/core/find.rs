@@ -20,6 +20,8 @@ use super::shapes::{ENDS, MANIFOLD, Obstacle, Pair, Shapes, pose};
 const MARGIN: f64 = 0.02;
 /// The same of links that may touch each other.
 const SELF_MARGIN: f64 = 0.01;
+/// Most points that parry finds of two faces: their corners and where edges cross.
+const MOST_POINTS: usize = 64;
 /// Points of a manifold that are nearer to each other are one, m.
 const SAME: f64 = 1e-6;
 /// Sine of the angle at which two capsules count as parallel.
@@ -34,7 +36,7 @@ pub(super) struct Slot {
 }
 
 /// Memory of a search.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug)]
 pub(super) struct Finder {
     manifolds: Vec<ContactManifold<(), ()>>,
     /// Where the capsules of the body are: their middles, and their ends.
@@ -43,6 +45,17 @@ pub(super) struct Finder {
 }
 
 impl Finder {
+    /// All the memory that searches among these shapes take.
+    pub fn new(shapes: &Shapes) -> Self {
+        let mut manifold = ContactManifold::default();
+        manifold.points.reserve(MOST_POINTS);
+        Self {
+            manifolds: if shapes.props.is_empty() { Vec::new() } else { vec![manifold] },
+            middles: Vec::with_capacity(shapes.capsules.len()),
+            ends: Vec::with_capacity(shapes.capsules.len()),
+        }
+    }
+
     /// Finds the contacts of a substep; forces of points that are not among them are forgotten.
     pub fn find(
         &mut self,

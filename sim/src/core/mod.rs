@@ -208,7 +208,7 @@ impl Core {
             touches: vec![Touch::default(); places],
             contacts: Vec::with_capacity(room),
             slots: Vec::with_capacity(slots),
-            finder: Finder::default(),
+            finder: Finder::new(&shapes),
             state: State::new(&model),
             mass: DMatrix::zeros(n, n),
             factor: Factor::new(&tree, n),
