@@ -240,7 +240,8 @@ impl Trace {
 
     /// The rotation that takes level ground to that of a row.
     pub fn ground_turn(&self, row: usize) -> Quat {
-        motion::rotation::between(&Vec3::y(), &self.ground_up(row))
+        let up = self.ground_up(row);
+        if up == Vec3::y() { Quat::identity() } else { motion::rotation::between(&Vec3::y(), &up) }
     }
 
     fn pivot(&self) -> Vec3 {

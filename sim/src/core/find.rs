@@ -39,9 +39,9 @@ pub(super) struct Slot {
 #[derive(Clone, Debug)]
 pub(super) struct Finder {
     manifolds: Vec<ContactManifold<(), ()>>,
-    /// Where the capsules of the body are: their middles, and their ends.
-    middles: Vec<Vec3>,
+    /// Where the ends of the capsules of the body are, and the least and greatest corners of the boxes along the axes that hold them.
     ends: Vec<[Vec3; 2]>,
+    boxes: Vec<[Vec3; 2]>,
 }
 
 impl Finder {
@@ -51,8 +51,8 @@ impl Finder {
         manifold.points.reserve(MOST_POINTS);
         Self {
             manifolds: if shapes.props.is_empty() { Vec::new() } else { vec![manifold] },
-            middles: Vec::with_capacity(shapes.capsules.len()),
             ends: Vec::with_capacity(shapes.capsules.len()),
+            boxes: Vec::with_capacity(shapes.capsules.len()),
         }
     }
 
@@ -119,7 +119,7 @@ impl Finder {
             }
         }
         if !shapes.pairs.is_empty() {
-            self.place_capsules(shapes, state);
+            self.place_capsules(shapes, state, inner);
         }
         let mut last: Option<Slot> = None;
         for (number, pair) in shapes.pairs.iter().enumerate() {
@@ -127,9 +127,9 @@ impl Finder {
             let of = Slot { body: pair.bodies[0], other: Some(pair.bodies[1]) };
             let slot = slots.len() - usize::from(last == Some(of));
             let first = shapes.of_pair(number);
-            let near = pair.reach + inner;
-            let apart = self.middles[pair.capsules[0]] - self.middles[pair.capsules[1]];
-            if apart.norm_squared() > near * near {
+            let [[low, high], [other_low, other_high]] = pair.capsules.map(|c| self.boxes[c]);
+            let apart = |k: usize| low[k] > other_high[k] || other_low[k] > high[k];
+            if apart(0) || apart(1) || apart(2) {
                 forces[first..first + ENDS].fill([0.0; 3]);
                 continue;
             }
@@ -200,15 +200,16 @@ impl Finder {
         forces[first + found..first + MANIFOLD].fill([0.0; 3]);
     }
 
-    /// Middles and ends of all capsules.
-    fn place_capsules(&mut self, shapes: &Shapes, state: &State) {
-        self.middles.clear();
+    /// Ends and boxes of all capsules; boxes of two that are nearer than `margin` overlap.
+    fn place_capsules(&mut self, shapes: &Shapes, state: &State, margin: f64) {
         self.ends.clear();
+        self.boxes.clear();
         for c in &shapes.capsules {
             let s = &state.bodies[c.body];
-            let ends = [c.a, c.b].map(|p| s.origin() + s.rotation * p);
-            self.ends.push(ends);
-            self.middles.push(0.5 * (ends[0] + ends[1]));
+            let [a, b] = [c.a, c.b].map(|p| s.origin() + s.rotation * p);
+            let around = Vec3::repeat(c.radius + 0.5 * margin);
+            self.ends.push([a, b]);
+            self.boxes.push([a.inf(&b) - around, a.sup(&b) + around]);
         }
     }
 

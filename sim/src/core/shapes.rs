@@ -89,8 +89,6 @@ pub(super) struct Pair {
     pub bodies: [usize; 2],
     pub links: [usize; 2],
     pub capsules: [usize; 2],
-    /// Middles farther apart than this are of capsules that do not touch, m.
-    pub reach: f64,
 }
 
 /// All that may touch.
@@ -165,13 +163,7 @@ impl Shapes {
             .collect();
         let pair = |[i, j]: [usize; 2]| {
             let links = [capsules[i].link, capsules[j].link];
-            let reach = [i, j].map(|c| 0.5 * (capsules[c].a - capsules[c].b).norm() + capsules[c].radius);
-            Pair {
-                bodies: links.map(|l| model.body_of[l].0),
-                links,
-                capsules: [i, j],
-                reach: reach[0] + reach[1],
-            }
+            Pair { bodies: links.map(|l| model.body_of[l].0), links, capsules: [i, j] }
         };
         self.pairs = character.self_pairs().into_iter().map(pair).collect();
         // pairs of the same two bodies share a slot
