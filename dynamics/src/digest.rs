@@ -6,6 +6,7 @@
 //! option a count of 0 or 1 before the value, a list its length before the values, a named value its name. Structures are taken
 //! apart field by field, so a field that is added does not compile before it has a place here.
 
+use bodies::soles::{Pad, Pads, Toes};
 use bodies::{Body, Carried, Character, Prop};
 use motion::names::Word;
 use motion::{
@@ -254,6 +255,18 @@ pub fn carrying(d: &mut Digest, carrying: &Carrying) {
     d.numbers(inertia);
     d.numbers([from_s, to_s]);
     d.count(usize::from(*known));
+}
+
+/// The pads of soles.
+pub fn pads(d: &mut Digest, Pads { heel, ball }: &Pads) {
+    for Pad { stiffness_n_m, damping_n_s_m, travel_m, compact_n_m } in [heel, ball] {
+        d.numbers([stiffness_n_m, damping_n_s_m, travel_m, compact_n_m]);
+    }
+}
+
+/// Toes that bend.
+pub fn toes(d: &mut Digest, Toes { stiffness_nm_rad, damping_nm_s_rad }: &Toes) {
+    d.numbers([stiffness_nm_rad, damping_nm_s_rad]);
 }
 
 #[cfg(test)]

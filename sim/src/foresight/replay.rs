@@ -4,7 +4,6 @@
 //! an input that differs in anything that the run depends on is refused.
 
 use bodies::Soles;
-use bodies::soles::{Pad, Pads, Toes};
 use controllers::{Controller, Plan, ReactiveError, Rest};
 use dynamics::RootMode;
 use dynamics::digest::{self, Digest};
@@ -118,25 +117,14 @@ pub(super) fn input(of: &Subject<'_>) -> Result<u64, ReactiveError> {
     if let RootMode::Assisted { force_n, moment_nm } = &of.root {
         d.numbers([force_n, moment_nm]);
     }
-    soles(&mut d, of.soles);
+    let Soles { pads, toes } = of.soles;
+    d.option(pads.as_ref(), digest::pads);
+    d.option(toes.as_ref(), digest::toes);
     d.list(of.pushes, digest::push);
     d.list(of.carried, digest::carrying);
     d.list(of.tilts, digest::tilt);
     of.controller.identify_reactive(&mut d);
     Ok(d.value())
-}
-
-/// Soles as numbers.
-fn soles(d: &mut Digest, soles: &Soles) {
-    let Soles { pads, toes } = soles;
-    d.option(pads.as_ref(), |d, Pads { heel, ball }| {
-        for Pad { stiffness_n_m, damping_n_s_m, travel_m, compact_n_m } in [heel, ball] {
-            d.numbers([stiffness_n_m, damping_n_s_m, travel_m, compact_n_m]);
-        }
-    });
-    d.option(toes.as_ref(), |d, Toes { stiffness_nm_rad, damping_nm_s_rad }| {
-        d.numbers([stiffness_nm_rad, damping_nm_s_rad]);
-    });
 }
 
 /// The drives of a plan, row by row.

@@ -15,10 +15,12 @@
 //!
 //! How values become bytes: [`dynamics::digest`].
 
-use bodies::soles::{Pad, Pads, Toes};
 use controllers::Reactive;
 use dynamics::RootMode;
-use dynamics::digest::{Digest, carrying, character, clip, curve, floor, plant, prop, push, tilt, vector};
+use dynamics::digest::{
+    Digest, carrying, character, clip, curve, floor, pads, plant, prop, push, tilt, toes as toe_springs,
+    vector,
+};
 use motion::names::Word;
 use motion::{Dof, Element, Tracks, Value};
 use scenes::conditions::{Physics, SoleKind, ToesKind};
@@ -153,18 +155,16 @@ fn physics(d: &mut Digest, physics: &Physics) {
     d.count(usize::from(*past_fall));
     d.option(soles.as_ref(), |d, soles| match soles {
         SoleKind::Rigid => d.count(0),
-        SoleKind::Pads(Pads { heel, ball }) => {
+        SoleKind::Pads(of) => {
             d.count(1);
-            for Pad { stiffness_n_m, damping_n_s_m, travel_m, compact_n_m } in [heel, ball] {
-                d.numbers([stiffness_n_m, damping_n_s_m, travel_m, compact_n_m]);
-            }
+            pads(d, of);
         }
     });
     d.option(toes.as_ref(), |d, toes| match toes {
         ToesKind::Welded => d.count(0),
-        ToesKind::Bend(Toes { stiffness_nm_rad, damping_nm_s_rad }) => {
+        ToesKind::Bend(of) => {
             d.count(1);
-            d.numbers([stiffness_nm_rad, damping_nm_s_rad]);
+            toe_springs(d, of);
         }
     });
     d.option(rate_hz.as_ref(), |d, x| d.number(*x));
