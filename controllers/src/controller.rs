@@ -76,11 +76,6 @@ impl Controller {
         Self::new(plan, Vec::new())
     }
 
-    /// Whether reactive properties beside the balance answer the state.
-    pub fn answers(&self) -> bool {
-        !self.reactive.is_empty()
-    }
-
     /// Adds what names its reactive properties beside the balance to a digest.
     pub fn identify_reactive(&self, digest: &mut Digest) {
         digest.list(&self.reactive, |d, property| property.identify(d));

@@ -99,9 +99,9 @@ impl Walked {
         }
         let mut lost = None;
         let mut kept = 0;
+        let mut state = State::new(&model);
         for row in 0..trace.rows() {
-            let loss = loss(trace, &model, &feet, weight, row);
-            if let Some(loss) = loss {
+            if let Some(loss) = loss(trace, &model, &mut state, &feet, weight, row) {
                 lost = Some((row as f64 / trace.rate_hz, loss));
                 break;
             }
@@ -151,7 +151,15 @@ impl Walked {
     }
 }
 
-fn loss(trace: &Trace, model: &Model, feet: &[usize], weight: f64, row: usize) -> Option<Loss> {
+/// What is lost in a row; `state` is scratch.
+fn loss(
+    trace: &Trace,
+    model: &Model,
+    state: &mut State,
+    feet: &[usize],
+    weight: f64,
+    row: usize,
+) -> Option<Loss> {
     let held = vec_at(&trace.root_wrench, 6 * row).norm() + vec_at(&trace.root_wrench, 6 * row + 3).norm();
     if held > 0.0 {
         return Some(Loss::Held(held));
@@ -173,17 +181,15 @@ fn loss(trace: &Trace, model: &Model, feet: &[usize], weight: f64, row: usize) -
     let skeleton = &model.skeleton;
     let (q, goal) = (trace.pose(row), trace.target_pose(row));
     let (at, asked) = (skeleton.position(q, 0), skeleton.position(goal, 0));
-    let high = match feet.contains(&0) {
-        true => {
-            let mut state = State::new(model);
-            let mut com = |q: &[f64]| {
-                state.update_pose(model, q);
-                state.com(model)
-            };
-            trace.height(row, &com(q)) / trace.height(0, &com(goal)).max(1e-9)
-        }
-        false => trace.height(row, &at) / trace.height(0, &asked).max(1e-9),
+    let [of, from] = if feet.contains(&0) {
+        [q, goal].map(|q| {
+            state.update_pose(model, q);
+            state.com(model)
+        })
+    } else {
+        [at, asked]
     };
+    let high = trace.height(row, &of) / trace.height(0, &from).max(1e-9);
     if high < HIGH {
         return Some(Loss::Low(high));
     }
