@@ -128,7 +128,7 @@ pub struct RenderArgs {
     #[arg(long, conflicts_with_all = ["kinematic", "pareto"])]
     pub past_fall: bool,
     /// Look ahead, so that a body with a free root keeps its feet where they step: off, on, draft or SECONDS,ROLLOUTS; see
-    /// docs/WALKING.md [default: off]
+    /// docs/WALKING.md [default: on for scripts that step, off for clips and retargeted motion]
     #[arg(long, value_name = "FORESIGHT", conflicts_with_all = ["kinematic", "pareto", "fidelity"])]
     pub foresight: Option<Choice>,
     /// Perform the offsets that an earlier run with --foresight chose (its foresight.npz), without searching again
@@ -235,6 +235,7 @@ impl RenderArgs {
             contacts: self.contacts.clone(),
             no_edits: self.no_edits,
             foresight: self.foresight.and_then(Choice::settings).map(Foreseen::Search),
+            blind: self.foresight == Some(Choice::Off),
         })
     }
 

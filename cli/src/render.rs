@@ -27,7 +27,7 @@ pub fn run(args: &RenderArgs) -> Result<(), Failure> {
     let mut take = takes::open(args.input.as_path(), &ask)?;
     if ask.foresight.is_some() && !take.looks_ahead() {
         return Err(Failure::Input(format!(
-            "{} has nothing to foresee: --foresight and --replay are for clips and retargeted motion that step, over ground, with --root free",
+            "{} has nothing to foresee: --foresight and --replay are for motion that steps (clips, retargeted motion, scripts with footwork or keys on a leg), over ground, with --root free",
             args.input.display()
         )));
     }

@@ -147,6 +147,7 @@ impl Pass {
         let free_root = matches!(character.skeleton.links()[0].joint, Joint::Free);
         let root = if free_root { self.root } else { RootMode::Free };
         let known: Vec<Carrying> = self.carried.iter().filter(|c| c.known).cloned().collect();
+        let contacts = self.setup.contacts.clone();
         let plan = Plan::new(self.setup, &known);
         let rate_hz = plan.goal.rate_hz;
         let substeps = self.substeps.or(engine.substeps()).unwrap_or_else(|| {
@@ -202,6 +203,7 @@ impl Pass {
         let mut state = State::new(engine.model());
         state.update(engine.model(), engine.q(), engine.v());
         let mut recorder = Recorder::new(&character, &settings, root, &controller);
+        recorder.trace.plan = contacts;
         let disturbed = &mut recorder.trace.disturbed;
         disturbed.carried = load.handed();
         recorder.disturbed = !self.pushes.is_empty() || load.changes();

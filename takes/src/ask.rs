@@ -53,8 +53,10 @@ pub struct Ask {
     pub overrides: Overrides,
     /// Engine other than the file's.
     pub engine: Option<String>,
-    /// How a free body that steps looks ahead; `None`: muscles and contacts alone.
+    /// How a free body that steps looks ahead; `None`: a script that steps as usual, clips and retargeted motion by muscles and contacts alone.
     pub foresight: Option<Foreseen>,
+    /// Muscles and contacts alone, of a script that steps as well.
+    pub blind: bool,
     /// Character file for a clip, or the name of a character of the library; by default its body is guessed.
     pub body: Option<PathBuf>,
     /// How to read a clip.

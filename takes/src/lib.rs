@@ -13,16 +13,16 @@
 //! | [`take`] | the take: body, source, motion asked for, conditions |
 //! | [`conditions`], `pushed` | what acts on the body; pushes asked for beside the file |
 //! | [`script`], `possible`, [`ignored`] | the take of a script, made possible; its keys that cannot act |
+//! | `steps` | feet of a script that lift, travel and stand again |
 //! | [`limited`] | joints that their limits changed |
 //! | `clip`, `clip_edits` | the take of a clip; edits of sampled motion |
 //! | [`retargeting`] | human motion put on a character |
 //! | [`posing`] | a clip posed by dragging |
 //! | [`blocking`] | a clip as a script of a few key poses |
 //! | [`standing`] | the parts of a clip a body can perform on its own feet |
-//! | [`stepping`] | a clip that steps, made possible |
 //! | [`styles`] | style components of two takes, put into a third |
 //! | `pins` | the pins of a scene, held after every other edit |
-//! | `stepping` | what is done to a motion before it is performed with foresight |
+//! | [`stepping`] | a motion that steps, made possible before it is performed |
 //! | [`perform`] | the dynamic pass |
 //! | [`replay`] | offsets that foresight chose, as a file |
 //! | [`results`] | what a take leaves |
@@ -59,6 +59,7 @@ pub mod slides;
 pub mod standing;
 pub mod starter;
 pub mod stepping;
+mod steps;
 pub mod styles;
 pub mod take;
 mod user_programs;

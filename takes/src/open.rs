@@ -13,6 +13,7 @@ use std::path::Path;
 use scenes::library::{self, Kind};
 use scenes::scene::{self, Scene};
 use scenes::{ConditionsSpec, SceneSource, Source as Text};
+use sim::foresight::{Foreseen, Settings};
 
 use crate::ask::is_ron;
 use crate::clip::ClipInput;
@@ -25,7 +26,8 @@ use crate::{Ask, Input, Take, TakeError, clip, pushed, retargeting, script};
 /// [`TakeError`]: anything wrong with the input and the files it names.
 pub fn open(input: impl Into<Input>, ask: &Ask) -> Result<Take, TakeError> {
     let mut take = open_asked(input.into(), ask)?;
-    take.conditions.foresight = ask.foresight.clone();
+    let usual = || (take.scripted_steps() && !ask.blind).then(|| Foreseen::Search(Settings::default()));
+    take.conditions.foresight = ask.foresight.clone().or_else(usual);
     let pushes = pushed::pushes(&take, ask)?;
     take.conditions.pushes.extend(pushes);
     let path = take.name.clone();

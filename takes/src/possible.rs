@@ -1,6 +1,7 @@
 //! A sampled script made possible: joints within their limits, feet where they are planted, the body over its feet.
 //!
-//! Under a pinned root the root goes where the script says, and the legs follow. A body that stands on its feet is balanced:
+//! Under a pinned root the root goes where the script says, and the legs follow. So they do where a free body steps (`takes::steps`
+//! makes that possible for its weight). A body that stands on its feet is balanced:
 //!
 //! 1. The pelvis shifts so that the centre of mass stays where it is at rest.
 //! 2. A key of the root's horizontal position ([`Dof::Coordinate`] x, z) goes before that: it is the pelvis's position relative
@@ -25,6 +26,7 @@ use scenes::SceneError;
 use scenes::scene::{Scene, ScriptSpec};
 
 use crate::limited::{Limited, within_limits};
+use crate::steps::Steps;
 
 /// The centre of pressure asked for stays this far inside the soles, m: limbs at natural tension swing past what is asked, and
 /// the balance needs room on both sides. With 3 cm a deep bend over its toes falls.
@@ -86,6 +88,8 @@ pub(crate) struct Sampler<'a> {
     pub(crate) plants: &'a [Plant],
     /// From level ground to the scene's.
     pub(crate) onto: Transform,
+    /// How it steps with a free root; `None` where it stands.
+    pub(crate) steps: Option<&'a Steps>,
 }
 
 impl Sampler<'_> {
@@ -133,6 +137,8 @@ impl Sampler<'_> {
             .collect();
         if self.scene.conditions.physics.root == RootMode::Pinned {
             self.follow(&mut finished, before, &moments)?;
+        } else if let Some(steps) = self.steps {
+            finished.lowered_m = steps.pose(&mut finished.clip, before, tracks, &moments)?;
         } else {
             self.balance(&mut finished, before, tracks, &moments)?;
         }
@@ -235,7 +241,7 @@ impl Sampler<'_> {
 }
 
 /// Tracks of how much a key rules a coordinate: 1 at a key, 0 before any and at one at rest. `None` without keys.
-fn keyed(tracks: &Tracks, dof: Dof) -> Option<motion::Track> {
+pub(crate) fn keyed(tracks: &Tracks, dof: Dof) -> Option<motion::Track> {
     let rest = dof.read(&tracks.skeleton, &tracks.base);
     let mut track = tracks.track(dof)?.clone();
     for e in &mut track.elements {
@@ -246,6 +252,6 @@ fn keyed(tracks: &Tracks, dof: Dof) -> Option<motion::Track> {
 }
 
 /// How much a key rules at a time (s), 0 to 1: an overshooting curve gives no more than all.
-fn share(keyed: &motion::Track, t_s: f64) -> f64 {
+pub(crate) fn share(keyed: &motion::Track, t_s: f64) -> f64 {
     keyed.value_at(t_s, &Value::Scalar(0.0)).scalar().unwrap_or(0.0).clamp(0.0, 1.0)
 }

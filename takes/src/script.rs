@@ -13,9 +13,7 @@ use controllers::{Dense, DenseJoint};
 use dynamics::conditions::RootMode;
 use edits::{EditLog, Motion, TrackEdit, Where};
 use motion::plant::{Knee, Plant};
-use motion::{
-    Clip, Contact, ContactPlan, Dof, Element, Floor, Joint, LimbKind, TimeMap, Timing, Tracks, Transform,
-};
+use motion::{Clip, Dof, Element, Floor, Joint, LimbKind, TimeMap, Timing, Tracks, Transform};
 use nalgebra::Translation3;
 use scenes::SceneError;
 use scenes::scene::{EditKind, Scene, SceneEdit, ScriptSpec};
@@ -25,6 +23,7 @@ use crate::error::{MOST_STEPS, too_long};
 use crate::ignored::ignored;
 use crate::pins;
 use crate::possible::{Finished, Sampler};
+use crate::steps::{Steps, contacts};
 use crate::take::{Asked, Body, Source, Take, USUAL_RATE_HZ};
 use crate::user_programs::{edit_fault, reactions, track_program, tracks_first};
 use crate::{Ask, Conditions};
@@ -123,9 +122,16 @@ pub(crate) fn take(scene: &Scene, script: &ScriptSpec, ask: &Ask) -> Result<Take
         Plant { world_from_end: onto * here.world_from_end, knee, ..here }
     };
     let plants: Vec<Plant> = script.planted.iter().map(planted).collect();
-    let sampler = Sampler { scene, script, plants: &plants, onto };
-    let contacts = contacts(script, &plants, end);
+    let steps = |tracks: &Tracks| Steps::of(scene, script, tracks, &plants, rate_hz);
+    let plain_steps = steps(&plain);
+    let sampler = Sampler { scene, script, plants: &plants, onto, steps: plain_steps.as_ref() };
     let unedited = sampler.finish(plain.sample(rate_hz), &plain, &TimeMap::identity())?.clip;
+    let steps = if ask.no_edits { plain_steps } else { steps(&tracks) };
+    let sampler = Sampler { scene, script, plants: &plants, onto, steps: steps.as_ref() };
+    let contacts = match &steps {
+        Some(steps) => steps.contacts(end),
+        None => contacts(&script.footwork, &plants, &[], end),
+    };
     let (asked, tracks) = if ask.no_edits {
         log = EditLog::default();
         let motion = Motion { contacts, ..Motion::of(plain.sample(rate_hz)) };
@@ -173,12 +179,18 @@ pub(crate) fn take(scene: &Scene, script: &ScriptSpec, ask: &Ask) -> Result<Take
     let Finished { clip, clamped, limited, lowered_m, shifted } = finished;
     let mut dense = if changed { clip_edits::dense(&tracks, &log, &times) } else { Dense::default() };
     follow_led(&mut dense, &tracks, &times);
-    follow_plants(&mut dense, &tracks, &plants, scene.conditions.physics.root == RootMode::Pinned);
+    let unbalanced = scene.conditions.physics.root == RootMode::Pinned || steps.is_some();
+    let limbs = steps.as_ref().map_or(&plants[..], Steps::plants);
+    follow_plants(&mut dense, &tracks, limbs, unbalanced);
     let lowered = |from_s: f64, to_s: f64| {
         let frame = |t_s: f64| ((times.at(t_s) * rate_hz).round() as usize).min(lowered_m.len() - 1);
         lowered_m[frame(from_s)..=frame(to_s)].iter().copied().fold(0.0, f64::max)
     };
-    let ignored = ignored(&tracks, &plants, lowered);
+    let still: Vec<Plant> =
+        plants.iter().filter(|p| steps.is_none() || p.limb.kind != LimbKind::Leg).cloned().collect();
+    let ignored = ignored(&tracks, &still, lowered);
+    // feet that step stand by their contacts alone
+    let plants = if steps.is_some() { Vec::new() } else { plants };
     // transitions are left where some joint still follows its elements at their own times
     let transitions = times.is_identity();
     Ok(Take {
@@ -214,33 +226,6 @@ pub(crate) fn onto(ground: &Floor) -> Transform {
     ground.place() * Translation3::from(ground.pivot()).inverse()
 }
 
-/// What stands when in a script: the planted limbs, but while they step or jump.
-fn contacts(script: &ScriptSpec, plants: &[Plant], end_s: f64) -> ContactPlan {
-    let work = &script.footwork;
-    let mut all = Vec::new();
-    for (i, plant) in plants.iter().enumerate() {
-        let steps = work.steps.iter().filter(|s| s.plant == i).map(|s| (s.start_s, s.start_s + s.duration_s));
-        let jumps = work.jumps.iter().map(|j| (j.start_s, j.start_s + j.duration_s));
-        let mut flights: Vec<(f64, f64)> = steps.chain(jumps).filter(|f| f.0 < end_s).collect();
-        flights.sort_by(|a, b| a.0.total_cmp(&b.0));
-        let mut from_s = 0.0;
-        let mut stand = |from_s: f64, to_s: f64| {
-            if from_s <= to_s {
-                let place = work.at(0.5 * (from_s + to_s), plants).0[i].world_from_end;
-                let point = plant.limb.name.clone();
-                all.push(Contact { point, from_s, to_s, world_from_point: Some(place) });
-            }
-        };
-        for (leaves_s, lands_s) in flights {
-            stand(from_s, leaves_s);
-            from_s = lands_s.max(from_s);
-        }
-        stand(from_s, end_s);
-    }
-    // times come from a checked scene, sorted and apart
-    ContactPlan::new(all).unwrap_or_default()
-}
-
 /// Adds the joints that are led, while they are: from an element that is to the next that is not.
 fn follow_led(dense: &mut Dense, tracks: &Tracks, times: &TimeMap) {
     for track in &tracks.tracks {
@@ -259,11 +244,11 @@ fn follow_led(dense: &mut Dense, tracks: &Tracks, times: &TimeMap) {
 
 /// Adds the joints of planted limbs that no balance drives: their muscles follow the IK, as they follow a clip.
 ///
-/// The balance drives the legs of a body that stands on them. Under a pinned root nothing does, nor do planted arms
-/// under any.
-fn follow_plants(dense: &mut Dense, tracks: &Tracks, plants: &[Plant], pinned: bool) {
+/// The balance drives the legs of a body that stands on them (`unbalanced` false). Under a pinned root nothing does, nor of a body that
+/// steps, nor planted arms of any.
+fn follow_plants(dense: &mut Dense, tracks: &Tracks, plants: &[Plant], unbalanced: bool) {
     let links = tracks.skeleton.links();
-    for limb in plants.iter().map(|p| &p.limb).filter(|l| pinned || l.kind == LimbKind::Arm) {
+    for limb in plants.iter().map(|p| &p.limb).filter(|l| unbalanced || l.kind == LimbKind::Arm) {
         for link in [limb.upper, limb.lower, limb.end] {
             // what the elements of these joints say is ignored, their tension with it
             dense.joints.retain(|j| j.link != link);

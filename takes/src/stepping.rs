@@ -37,7 +37,8 @@ impl Take {
             return Ok(Some(Possible { plan, clip, ground_m, shift, shifts, unmet, measures }));
         }
         // a height that was given is the stance's; one that was found is that of the soles
-        let given_height = asked.stance.as_ref().is_some_and(|s| s.ground_m == floor.height_m);
+        let scripted = self.is_scripted();
+        let given_height = scripted || asked.stance.as_ref().is_some_and(|s| s.ground_m == floor.height_m);
         let found = contacts(&character, &asked.clip).1.filter(|_| !given_height);
         let retargeted = matches!(self.source, Source::Retarget(_));
         let level = Level {
@@ -46,8 +47,8 @@ impl Take {
             // a retargeted motion was made for its ground
             found: found.is_some() && !retargeted,
         };
-        // contacts of a capture are found, and give way to forces; those of a retargeted motion are what it was made with
-        let given = asked.contacts_given || retargeted;
+        // contacts of a capture are found, and give way to forces; those of a script or a retargeted motion are what it was made with
+        let given = asked.contacts_given || retargeted || scripted;
         // characters that are not human have their contacts by points
         let soles: Vec<Sole> = character.leg_soles().into_iter().map(|(_, sole)| sole).collect();
         let plan = by_soles(&asked.contacts, &character.skeleton, &soles);
@@ -61,23 +62,30 @@ impl Take {
         self.body.character.carrying(loads.map(|c| &c.what))
     }
 
-    /// Whether it is performed by looking ahead: a clip or a retargeted motion over ground, its root free, that no planted feet carry
-    /// from beginning to end, and that is asked to.
+    /// Whether it is performed by looking ahead: a motion over ground, its root free, that no planted feet carry from beginning to end, and
+    /// that is asked to.
     pub fn looks_ahead(&self) -> bool {
         let c = &self.conditions;
         let sampled = matches!(self.source, Source::Clip(_) | Source::Retarget(_));
         let free = c.physics.root == RootMode::Free && c.physics.ground.is_some();
-        c.foresight.is_some() && free && sampled && self.asked.plants.is_empty()
+        let steps = sampled && self.asked.plants.is_empty() || self.scripted_steps();
+        c.foresight.is_some() && free && steps
     }
 
-    /// The motion of a take that looks ahead, made possible, or, where [`Take::possible`] has nothing to say of a capture, smoothed as inverse
+    /// Whether it is a script whose feet lift with a free root: it looks ahead unless it is told not to.
+    pub fn scripted_steps(&self) -> bool {
+        let free = self.conditions.physics.root == RootMode::Free;
+        self.is_scripted() && free && self.asked.plants.is_empty() && !self.asked.contacts.is_empty()
+    }
+
+    /// The motion of a take that looks ahead, or of a script that steps, made possible, or, where [`Take::possible`] has nothing to say of a capture, smoothed as inverse
     /// dynamics smooths it: noise of markers is no motion, and muscles that follow it shake. Other takes, and retargeted characters
     /// without soles, whose motion has no noise and was refined already, stay as they are.
     ///
     /// # Errors
     /// Legs that two-bone IK cannot solve.
     pub(crate) fn ready_to_step(mut self) -> Result<Self, IkError> {
-        if !self.looks_ahead() {
+        if !self.looks_ahead() && !self.scripted_steps() {
             return Ok(self);
         }
         if let (take, Some(_)) = self.made_possible()? {

@@ -8,6 +8,7 @@
 //! and meets the ground at no speed. It travels only while it is off the ground, between 8 % and 92 % of the step. A jump lifts feet and root alike by `½ g t (T − t)`: flight is ballistic
 //! whatever the pose does.
 
+use dynamics::conditions::RootMode;
 use motion::plant::Plant;
 use motion::rotation::exp;
 use motion::{Curve, Transform, Vec3};
@@ -109,12 +110,13 @@ impl Check<'_> {
         &self,
         ron: &[FootworkRon],
         planted: &[usize],
-        pinned: bool,
+        root: RootMode,
         gravity: f64,
     ) -> Result<Footwork, SceneError> {
         let mut work = Footwork { gravity, ..Footwork::default() };
-        if !ron.is_empty() && !pinned {
-            let e = "footwork needs `root: Pinned`: a free or assisted root is balanced over feet that stay";
+        if !ron.is_empty() && !matches!(root, RootMode::Pinned | RootMode::Free) {
+            let e =
+                "footwork needs `root: Free` or `root: Pinned`: an assisted root is held over feet that stay";
             return Err(self.source.error("footwork", e));
         }
         let names = || planted.iter().map(|&l| self.character.skeleton.limbs()[l].name.as_str());

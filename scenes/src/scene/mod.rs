@@ -23,7 +23,6 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use bodies::Character;
-use dynamics::conditions::RootMode;
 
 use crate::conditions::ConditionsSpec;
 use crate::overrides::LOOPS_S;
@@ -90,8 +89,7 @@ pub fn parse(source: Source, name: String) -> Result<Scene, SceneError> {
         Patch::read(&patch)?.apply(&mut physics);
         files.push(patch);
     }
-    let pinned = physics.root == RootMode::Pinned;
-    let script = check.script_spec(&ron, pinned, physics.gravity.norm())?;
+    let script = check.script_spec(&ron, physics.root, physics.gravity.norm())?;
     let moves = script.moves();
     let motion = check.motion(&ron, &beside, script)?;
     files.extend(motion.files().into_iter().cloned());

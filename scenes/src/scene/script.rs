@@ -4,6 +4,7 @@
 
 use std::collections::BTreeMap;
 
+use dynamics::conditions::RootMode;
 use motion::names;
 use motion::script::{Action, Cycle, Insert, Pose, PoseValue, Properties, Script};
 use motion::{Curve, Dof, Joint, LimbKind, Value};
@@ -42,14 +43,14 @@ impl Check<'_> {
     pub(crate) fn script_spec(
         &self,
         ron: &SceneRon,
-        pinned: bool,
+        root: RootMode,
         gravity: f64,
     ) -> Result<ScriptSpec, SceneError> {
         let planted = self.planted(ron.planted.as_deref())?;
         Ok(ScriptSpec {
             script: self.script(ron)?,
             settle_s: self.within("settle_s", ron.settle_s.unwrap_or(SETTLE_S), 0.0, 3600.0, "s")?,
-            footwork: self.footwork(&ron.footwork, &planted, pinned, gravity)?,
+            footwork: self.footwork(&ron.footwork, &planted, root, gravity)?,
             planted,
         })
     }
