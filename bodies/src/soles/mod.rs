@@ -71,8 +71,8 @@ impl Default for Pads {
     /// Feet of adults under loads of walking: `docs/WALKING.md` has the sources.
     fn default() -> Self {
         Self {
-            heel: Pad { stiffness_n_m: 5e4, damping_n_s_m: 500.0, travel_m: 0.0113, compact_n_m: 2e5 },
-            ball: Pad { stiffness_n_m: 1.1e5, damping_n_s_m: 1100.0, travel_m: 0.01, compact_n_m: 2e5 },
+            heel: Pad { stiffness_n_m: 5e4, damping_n_s_m: 800.0, travel_m: 0.0113, compact_n_m: 2e5 },
+            ball: Pad { stiffness_n_m: 1.1e5, damping_n_s_m: 1760.0, travel_m: 0.01, compact_n_m: 2e5 },
         }
     }
 }
