@@ -105,7 +105,7 @@ pub enum Unmet {
         /// The furthest, mean over its links, m.
         by_m: f64,
     },
-    /// The whole motion is far from its capture: see [`crate::likeness`].
+    /// The whole motion is far from its capture.
     Links {
         /// RMS over links and frames, m.
         by_m: f64,
