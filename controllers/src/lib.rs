@@ -15,6 +15,7 @@
 //! | [`shift`] | the same over a plan of contacts: weights that shift before feet leave, flights that fall |
 //! | `bearing` | the contacts of a clip where forces speak |
 //! | [`stepping`], [`unmet`] | a clip that steps, made possible; what of it is not |
+//! | [`likeness`] | how near that stays to its capture |
 //! | [`balance`] | the reactive property that keeps a body on its feet |
 //! | [`reactive`] | the trait of properties that read the state every step |
 //! | [`gaze`] | one that keeps the eyes on a point |
@@ -33,6 +34,7 @@ pub mod drive;
 pub mod feed;
 pub mod gaze;
 pub mod goal;
+pub mod likeness;
 pub mod parameters;
 pub mod plan;
 pub mod posture;

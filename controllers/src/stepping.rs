@@ -18,6 +18,7 @@ use motion::tread::{Tread, treads};
 use motion::{Clip, ContactPlan, Kinematics, Limb, Sole, Transform, Vec3, runs};
 
 use crate::bearing::{BEARS, HELD_S, borne, needs};
+use crate::likeness::Likeness;
 use crate::shift::{Ground, asked, com_and_spin, heights, path};
 use crate::unmet::{Unmet, WeightShift};
 
@@ -48,6 +49,8 @@ pub struct Possible {
     pub unmet: Vec<Unmet>,
     /// How much of it changed.
     pub measures: Measures,
+    /// How near it is to the capture; `None` where nothing steps.
+    pub likeness: Option<Likeness>,
 }
 
 impl Possible {
@@ -154,9 +157,11 @@ pub fn possible(
     let solver = Solver { model: &model, base: &base, legs: &legs, ground: &ground };
     let solved = solver.solve()?;
     let measures = solver.measures(character, clip, &solved);
-    let unmet = solver.unmet(character, clip, &solved);
+    let mut unmet = solver.unmet(character, clip, &solved);
     let shifts = WeightShift::all(&solved.shift, &plan, &soles, &base);
-    Ok(Possible { plan, clip: solved.clip, ground_m, shift: solved.shift, shifts, unmet, measures })
+    let likeness = Likeness::of(character, clip, &solved.clip, &plan, ground_m, gravity);
+    unmet.extend(likeness.iter().flat_map(Likeness::unlike));
+    Ok(Possible { plan, clip: solved.clip, ground_m, shift: solved.shift, shifts, unmet, measures, likeness })
 }
 
 /// How far soles were lifted, on average, m.

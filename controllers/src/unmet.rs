@@ -66,7 +66,7 @@ impl WeightShift {
     }
 }
 
-/// What could not be made possible: where, when, by how much.
+/// What could not be made possible: where, when, by how much; and in what the whole is no longer what was captured.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Unmet {
     /// The ground would have to push outside the soles.
@@ -105,6 +105,40 @@ pub enum Unmet {
         /// The furthest, mean over its links, m.
         by_m: f64,
     },
+    /// The whole motion is far from its capture.
+    Links {
+        /// RMS over links and frames, m.
+        by_m: f64,
+    },
+    /// The upper body is turned.
+    Upper {
+        /// RMS, degrees.
+        by_deg: f64,
+    },
+    /// A sole comes down or leaves at another time than planned.
+    Times {
+        /// The leg.
+        limb: String,
+        /// When it was to, s.
+        at_s: f64,
+        /// How much later it does, s.
+        by_s: f64,
+    },
+    /// Contacts that are in the plan or in the motion only.
+    Contacts {
+        /// How many.
+        count: usize,
+    },
+    /// A flight of another height.
+    Rise {
+        /// Part of the captured.
+        by: f64,
+    },
+    /// A stride of another length.
+    Stride {
+        /// Part of the captured.
+        by: f64,
+    },
 }
 
 impl fmt::Display for Unmet {
@@ -131,6 +165,26 @@ impl fmt::Display for Unmet {
                     "{from_s:.2}–{to_s:.2} s: the body is up to {:.0} mm from what was asked",
                     1e3 * by_m
                 )
+            }
+            Self::Links { by_m } => write!(f, "links are {:.0} mm from the capture", 1e3 * by_m),
+            Self::Upper { by_deg } => write!(f, "the upper body is turned by {by_deg:.1}°"),
+            Self::Times { limb, at_s, by_s } => {
+                let when = if *by_s < 0.0 { "early" } else { "late" };
+                write!(f, "{at_s:.2} s: {limb} comes down or leaves {:.2} s too {when}", by_s.abs())
+            }
+            Self::Contacts { count: 1 } => {
+                write!(f, "one contact is in the plan or in the motion, but not in both")
+            }
+            Self::Contacts { count } => {
+                write!(f, "{count} contacts are in the plan or in the motion, but not in both")
+            }
+            Self::Rise { by } => {
+                let than = if *by < 0.0 { "less high" } else { "higher" };
+                write!(f, "a flight rises {:.0} % {than} than captured", 100.0 * by.abs())
+            }
+            Self::Stride { by } => {
+                let than = if *by < 0.0 { "shorter" } else { "longer" };
+                write!(f, "a stride is {:.0} % {than} than captured", 100.0 * by.abs())
             }
         }
     }

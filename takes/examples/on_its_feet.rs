@@ -8,19 +8,17 @@
 //! cargo run --release -p takes --example on_its_feet -- --tension 2 --draft ../shared/mocap/bvh/16_16.bvh
 //! ```
 
+mod common;
+
+use common::{Failed, Options};
 use controllers::Goal;
+use controllers::likeness::Likeness;
 use dynamics::analysis::{AnalysisError, AnalysisOptions, analyze, smoothed};
 use dynamics::{Model, Trace, Walked};
 use motion::Kinematics;
-use motion::names::Word;
 use sim::Engines;
-use sim::foresight::{Foreseen, Settings};
 use std::path::{Path, PathBuf};
-use takes::overrides::{RootChoice, SoleName, ToesName};
-use takes::{Ask, Overrides, Take};
-
-/// Clips of the folder that stand from beginning to end.
-const STANDS: [&str; 8] = ["02_05", "05_06", "104_41", "127_01", "135_04", "135_08", "14_24", "14_37"];
+use takes::{Ask, Take};
 
 struct Line {
     name: String,
@@ -30,6 +28,8 @@ struct Line {
     flies: bool,
     /// Distance of the centres of all links of the motion made possible from the capture, RMS, mm.
     made_mm: f64,
+    /// How near the motion made possible is to its capture; `None` where an edit changed its times.
+    likeness: Option<Likeness>,
     /// Largest vertical force over 20 ms that inverse dynamics of the capture requires, in weights.
     required_peak: f64,
     /// Distance of the centres of all links from the capture while it kept its feet, RMS, mm.
@@ -121,7 +121,7 @@ fn required_peak(take: &Take) -> Result<f64, AnalysisError> {
     Ok(means.fold(0.0, f64::max) / a.weight())
 }
 
-fn perform(path: &Path, ask: &Ask, forces: Option<&Path>) -> Result<Line, Box<dyn std::error::Error>> {
+fn perform(path: &Path, ask: &Ask, forces: Option<&Path>) -> Result<Line, Failed> {
     let take = takes::open(path, ask)?;
     let required_peak = required_peak(&take)?;
     // what is opened with foresight is made possible already
@@ -131,6 +131,11 @@ fn perform(path: &Path, ask: &Ask, forces: Option<&Path>) -> Result<Line, Box<dy
     let made_mm = capture_mm(&take, |t| {
         let frame = (t * asked.rate_hz).round() as usize;
         (frame < asked.frames()).then(|| asked.pose(frame))
+    });
+    let physics = take.conditions.physics;
+    let likeness = physics.ground.and_then(|ground| {
+        let (character, contacts) = (take.character(), &take.asked.contacts);
+        Likeness::of(character, &take.unedited, asked, contacts, ground.height_m, physics.gravity)
     });
     let started = cpu_s();
     let asked = asked_acceleration(&take);
@@ -148,6 +153,7 @@ fn perform(path: &Path, ask: &Ask, forces: Option<&Path>) -> Result<Line, Box<dy
         offsets_deg: outcome.foresight.as_ref().map_or(0.0, |f| f.offset_rms().to_degrees()),
         flies,
         made_mm,
+        likeness,
         required_peak,
         capture_mm: performed_mm(&take, &outcome.trace, walked.kept_s),
         cost_s: (cpu_s() - started) / walked.kept_s.max(1e-9),
@@ -157,21 +163,6 @@ fn perform(path: &Path, ask: &Ask, forces: Option<&Path>) -> Result<Line, Box<dy
 
 fn longest_slip_mm(w: &Walked) -> f64 {
     w.slips_mm.iter().fold(0.0_f64, |a, b| a.max(*b))
-}
-
-/// The clips of a folder that step, in the order of their names; a file as it is.
-fn clips(path: PathBuf) -> std::io::Result<Vec<PathBuf>> {
-    if !path.is_dir() {
-        return Ok(vec![path]);
-    }
-    let files = std::fs::read_dir(path)?.map(|e| Ok(e?.path())).collect::<std::io::Result<Vec<_>>>()?;
-    let steps = |f: &PathBuf| {
-        let stem = f.file_stem().unwrap_or_default().to_string_lossy();
-        f.extension().is_some_and(|e| e == "bvh") && !STANDS.iter().any(|s| stem.starts_with(s))
-    };
-    let mut files: Vec<PathBuf> = files.into_iter().filter(steps).collect();
-    files.sort();
-    Ok(files)
 }
 
 /// What the worst seeds of all clips come to, bound by bound.
@@ -184,8 +175,23 @@ fn summary(worst: &[Line]) {
         all.get(all.len() / 2).copied().unwrap_or(f64::NAN)
     };
     let n = kept.len();
+    let counts = |l: &Line| l.likeness.as_ref().is_some_and(|of| of.unlike().is_empty());
     let (walks, flying) = (count(&|l| !l.flies), count(&|l| l.flies));
-    println!("{n} of {} keep their feet", worst.len());
+    println!(
+        "{n} of {} keep their feet; of the {} whose motion made possible is as captured: {}",
+        worst.len(),
+        worst.iter().filter(|l| counts(l)).count(),
+        count(&counts)
+    );
+    for line in worst.iter().filter(|l| !counts(l)) {
+        let said: Vec<String> =
+            line.likeness.iter().flat_map(|l| l.unlike()).map(|u| u.to_string()).collect();
+        println!(
+            "  {} does not count: {}",
+            line.name,
+            if said.is_empty() { "other times".into() } else { said.join("; ") }
+        );
+    }
     println!(
         "links from the capture: {} within 60 mm, median {:.0} mm; of what was asked: median {:.0} mm; the motion made possible: median {:.0} mm",
         count(&|l| l.capture_mm <= 60.0),
@@ -248,68 +254,19 @@ fn print(line: &Line, seed: u64) {
     );
 }
 
-fn main() -> Result<(), Box<dyn std::error::Error>> {
-    let mut settings = Settings::default();
-    let (mut tension, mut substeps, mut seeds) = (2.0, 2, vec![1]);
-    let mut files: Vec<PathBuf> = Vec::new();
-    let mut engine = None;
-    let mut blind = false;
-    let mut span_s = None;
-    let (mut loop_s, mut edits) = (None, Vec::new());
-    let (mut soles, mut toes, mut forces) = (None, None, None);
-    let mut args = std::env::args().skip(1);
-    while let Some(arg) = args.next() {
-        let mut value = || args.next().ok_or(format!("{arg} needs a value"));
-        match arg.as_str() {
-            "--tension" => tension = value()?.parse()?,
-            "--substeps" => substeps = value()?.parse()?,
-            "--seeds" => seeds = value()?.split(',').map(str::parse).collect::<Result<_, _>>()?,
-            "--engine" => engine = Some(value()?),
-            "--horizon" => settings.horizon_s = value()?.parse()?,
-            "--rollouts" => settings.rollouts = value()?.parse()?,
-            "--beam" => settings.beam = value()?.parse()?,
-            "--window" => settings.window_s = value()?.parse()?,
-            "--stride" => settings.stride = value()?.parse()?,
-            "--width" => settings.width = value()?.parse()?,
-            "--capture" => settings.scales.capture_m = value()?.parse()?,
-            "--soft" => settings.scales.soft = value()?.parse()?,
-            "--impact" => settings.scales.impact = value()?.parse()?,
-            "--offset" => settings.scales.offset = value()?.parse()?,
-            "--change" => settings.scales.change = value()?.parse()?,
-            "--com" => settings.scales.com_m = value()?.parse()?,
-            "--velocity" => settings.scales.velocity_m_s = value()?.parse()?,
-            "--pose" => settings.scales.pose_rad = value()?.parse()?,
-            "--stand" => settings.scales.stand_m = value()?.parse()?,
-            "--feet" => settings.scales.feet_m = value()?.parse()?,
-            "--root" => settings.scales.root_rad = value()?.parse()?,
-            "--spin" => settings.scales.spin_nms = value()?.parse()?,
-            "--loop" => loop_s = Some(value()?.parse()?),
-            "--edit" => edits.push(value()?),
-            "--off" => blind = true,
-            "--soles" => soles = Some(SoleName::find(&value()?).map_err(|e| e.to_string())?),
-            "--toes" => toes = Some(ToesName::find(&value()?).map_err(|e| e.to_string())?),
-            "--forces" => forces = Some(PathBuf::from(value()?)),
-            "--until" => span_s = Some((0.0, value()?.parse()?)),
-            "--draft" => settings = Settings::draft(),
-            _ => files.extend(clips(arg.into())?),
+fn main() -> Result<(), Failed> {
+    let mut forces: Option<PathBuf> = None;
+    let options = Options::read(Some(2), |word, words| {
+        if word == "--forces" {
+            forces = Some(words.value(word)?);
         }
-    }
+        Ok(word == "--forces")
+    })?;
     let mut worst: Vec<Line> = Vec::new();
-    for file in &files {
+    for file in &options.files {
         let mut lines: Vec<Line> = Vec::new();
-        for &seed in &seeds {
-            let overrides = Overrides {
-                root: Some(RootChoice::Free),
-                tension: Some(tension),
-                substeps: Some(substeps),
-                span_s,
-                soles,
-                toes,
-                ..Overrides::default()
-            };
-            let foresight = (!blind).then_some(Foreseen::Search(Settings { seed, ..settings }));
-            let (engine, edits) = (engine.clone(), edits.clone());
-            let ask = Ask { overrides, foresight, engine, loop_s, edits, ..Ask::default() };
+        for &seed in &options.seeds {
+            let ask = options.ask(seed);
             let line = perform(file, &ask, forces.as_deref())?;
             print(&line, seed);
             lines.push(line);

@@ -5,6 +5,7 @@
 
 use std::path::{Path, PathBuf};
 
+use controllers::likeness::Likeness;
 use takes::{Ask, Possible, RootMode};
 
 /// Clips that stand.
@@ -24,10 +25,10 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     });
     files.sort();
     println!(
-        "| clip | s | pressure inside before | after | links RMS mm | worst frame | upper body ° | out of reach mm | shift mm | flights, frames | not possible |"
+        "| clip | s | pressure inside before | after | links RMS mm | worst frame | upper body ° | out of reach mm | shift mm | flights, frames | not possible | links from raw mm | upper RMS °, smoothed (raw) | contacts s (in one only) | rises off | strides off | |"
     );
-    println!("|---|---|---|---|---|---|---|---|---|---|---|");
-    let mut all: Vec<Possible> = Vec::new();
+    println!("|---|---|---|---|---|---|---|---|---|---|---|---|---|---|---|---|---|");
+    let (mut names, mut all): (Vec<String>, Vec<Possible>) = Default::default();
     for file in files {
         let mut take = takes::open(file.as_path(), &Ask::default())?;
         take.conditions.physics.root = RootMode::Free;
@@ -36,7 +37,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         let percent = |x: Option<f64>| x.map_or("–".into(), |x| format!("{:.0} %", 100.0 * x));
         let shift = p.shift.iter().map(|s| s.norm()).fold(0.0, f64::max);
         println!(
-            "| {} | {:.1} | {} | {} | {:.0} | {:.0} | {:.1} | {:.0} | {:.0} | {} | {} |",
+            "| {} | {:.1} | {} | {} | {:.0} | {:.0} | {:.1} | {:.0} | {:.0} | {} | {} | {} |",
             take.name,
             p.clip.duration_s(),
             percent(m.inside_before),
@@ -48,6 +49,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
             1e3 * shift,
             m.flights,
             p.unmet.len(),
+            p.likeness.as_ref().map_or("– | – | – | – | – |".into(), likeness),
         );
         if !named.is_empty() {
             p.shifts.iter().for_each(|s| println!("  {s}"));
@@ -55,8 +57,22 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
             for c in p.plan.contacts() {
                 println!("  {} {:.2}–{:.2}", c.point, c.from_s, c.to_s);
             }
+            for (what, pairs) in [
+                ("rise", p.likeness.as_ref().map(|l| &l.rises)),
+                ("stride", p.likeness.as_ref().map(|l| &l.strides)),
+            ] {
+                for pair in pairs.into_iter().flatten() {
+                    println!(
+                        "  {what} at {:.2} s: {:.0} mm, captured {:.0}",
+                        pair.at_s,
+                        1e3 * pair.made_m,
+                        1e3 * pair.captured_m
+                    );
+                }
+            }
             println!("  flights fall to within {:.1e} m/s²", m.flight_error_m_s2);
         }
+        names.push(take.name.clone());
         all.push(p);
     }
     let count = |of: &dyn Fn(&Possible) -> bool| all.iter().filter(|p| of(p)).count();
@@ -68,5 +84,27 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         count(&|p| p.measures.inside_before.is_some_and(|x| x >= 0.95)),
         count(&|p| p.unmet.is_empty()),
     );
+    let unlike = |p: &Possible| p.likeness.as_ref().is_none_or(|l| !l.unlike().is_empty());
+    println!("as captured in every measure, so that they count: {} of {}", count(&|p| !unlike(p)), all.len());
+    for (name, p) in names.iter().zip(&all).filter(|(_, p)| unlike(p)) {
+        let said: Vec<String> = p.likeness.iter().flat_map(|l| l.unlike()).map(|u| u.to_string()).collect();
+        println!("  {name} does not count: {}", said.join("; "));
+    }
     Ok(())
+}
+
+/// The columns of what a motion made possible has of its capture.
+fn likeness(l: &Likeness) -> String {
+    let signed = |x: f64| format!("{:+.0} %", 100.0 * x);
+    format!(
+        "{:.0} | {:.1} ({:.1}) | {:+.3} ({}) | {} | {} | {}",
+        1e3 * l.links_m,
+        l.upper_deg,
+        l.upper_raw_deg,
+        l.times.as_ref().map_or(0.0, |t| t.by_s),
+        l.strange,
+        if l.rises.is_empty() { "–".into() } else { signed(l.rise_off()) },
+        if l.strides.is_empty() { "–".into() } else { signed(l.stride_off()) },
+        if l.unlike().is_empty() { "counts" } else { "does not count" },
+    )
 }

@@ -10,15 +10,15 @@
 //! feet to the end (`dynamics::walked`) and is back within 2 s of the push's end: its links stay within 60 mm RMS of where the motion has them from
 //! then on. Link centres, in the world: the path counts.
 
+mod common;
+
 use bodies::Character;
+use common::{Failed, Options};
 use dynamics::{Push, Rejoined, Walked};
 use motion::skeleton::vec_at;
 use motion::{LimbKind, Vec3};
 use sim::Engines;
-use sim::foresight::{Foreseen, Settings};
-use std::path::PathBuf;
-use takes::overrides::RootChoice;
-use takes::{Ask, Overrides, Take, open};
+use takes::{Take, open};
 
 /// How long it is pushed, s.
 const PUSH_S: f64 = 0.1;
@@ -50,52 +50,27 @@ fn heading(take: &Take, at_s: f64) -> f64 {
     way.x.atan2(way.z)
 }
 
-fn main() -> Result<(), Box<dyn std::error::Error>> {
-    let mut settings = Settings::default();
-    let (mut tension, mut substeps, mut impulse, mut at_s) = (2.0, 2, 20.0, 1.5);
-    let (mut engine, mut until_s, mut directions) = (None, None, Vec::new());
-    let mut files: Vec<PathBuf> = Vec::new();
-    let mut args = std::env::args().skip(1);
-    while let Some(arg) = args.next() {
-        let mut value = || args.next().ok_or(format!("{arg} needs a value"));
-        match arg.as_str() {
-            "--tension" => tension = value()?.parse()?,
-            "--substeps" => substeps = value()?.parse()?,
-            "--seed" => settings.seed = value()?.parse()?,
-            "--rollouts" => settings.rollouts = value()?.parse()?,
-            "--horizon" => settings.horizon_s = value()?.parse()?,
-            "--capture" => settings.scales.capture_m = value()?.parse()?,
-            "--feet" => settings.scales.feet_m = value()?.parse()?,
-            "--com" => settings.scales.com_m = value()?.parse()?,
-            "--velocity" => settings.scales.velocity_m_s = value()?.parse()?,
-            "--pose" => settings.scales.pose_rad = value()?.parse()?,
-            "--width" => settings.width = value()?.parse()?,
-            "--engine" => engine = Some(value()?),
-            "--impulse" => impulse = value()?.parse()?,
-            "--at" => at_s = value()?.parse()?,
-            "--until" => until_s = Some((0.0, value()?.parse()?)),
-            "--directions" => directions = value()?.split(',').map(str::parse).collect::<Result<_, _>>()?,
-            _ => files.push(arg.into()),
+fn main() -> Result<(), Failed> {
+    let (mut impulse, mut at_s, mut directions): (f64, f64, Vec<f64>) = (20.0, 1.5, Vec::new());
+    let options = Options::read(Some(2), |word, words| {
+        match word {
+            "--impulse" => impulse = words.value(word)?,
+            "--at" => at_s = words.value(word)?,
+            "--directions" => directions = words.values(word)?,
+            _ => return Ok(false),
         }
-    }
+        Ok(true)
+    })?;
     if directions.is_empty() {
         directions = (0..DIRECTIONS).map(|k| k as f64 * 360.0 / DIRECTIONS as f64).collect();
     }
-    for file in &files {
-        let overrides = Overrides {
-            root: Some(RootChoice::Free),
-            tension: Some(tension),
-            substeps: Some(substeps),
-            span_s: until_s,
-            ..Overrides::default()
-        };
-        let foresight = Some(Foreseen::Search(settings));
-        let take = open(file, &Ask { overrides, foresight, engine: engine.clone(), ..Ask::default() })?;
+    for (file, &seed) in options.files.iter().flat_map(|f| options.seeds.iter().map(move |s| (f, s))) {
+        let take = open(file, &options.ask(seed))?;
         let character = take.character().clone();
         let link = chest(&character);
         let ahead = heading(&take, at_s);
         println!(
-            "{}: {impulse} N·s over {PUSH_S} s at `{}` from {at_s} s on, tension {tension}",
+            "{}: {impulse} N·s over {PUSH_S} s at `{}` from {at_s} s on, seed {seed}",
             file.file_stem().unwrap_or_default().to_string_lossy(),
             character.skeleton.links()[link].name
         );

@@ -34,7 +34,16 @@ impl Take {
             let (plan, clip, ground_m) = (asked.contacts.clone(), asked.clip.clone(), floor.height_m);
             let shift = vec![Vec3::zeros(); clip.frames()];
             let (shifts, unmet, measures) = (Vec::new(), Vec::new(), Measures::default());
-            return Ok(Some(Possible { plan, clip, ground_m, shift, shifts, unmet, measures }));
+            return Ok(Some(Possible {
+                plan,
+                clip,
+                ground_m,
+                shift,
+                shifts,
+                unmet,
+                measures,
+                likeness: None,
+            }));
         }
         // a height that was given is the stance's; one that was found is that of the soles
         let scripted = self.is_scripted();
