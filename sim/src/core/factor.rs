@@ -88,11 +88,22 @@ impl Factor {
                     }
                     inverse[0] = pivot(r0[depth]).ok_or(block.first)?;
                     scale(&mut r0[..depth], inverse[0]);
-                    for (p, &k) in chain[..depth].iter().enumerate() {
+                    // two rows inboard at a time, which are as long as each other in fours: they read the same three rows
+                    let (pairs, last) = chain[..depth].as_chunks::<2>();
+                    for (i, &[k, l]) in pairs.iter().enumerate() {
+                        let p = 2 * i;
                         let end = fours(p + 1);
+                        let (lower, upper) = inner.split_at_mut(tree.at(l));
+                        let targets = [&mut lower[tree.at(k)..][..end], &mut upper[..end]];
+                        let by = [[r0[p], r1[p], r2[p]], [r0[p + 1], r1[p + 1], r2[p + 1]]];
+                        subtract_three(targets, by, [&r0[..end], &r1[..end], &r2[..end]]);
+                    }
+                    if let Some(&k) = last.first() {
+                        let (p, end) = (depth - 1, fours(depth));
                         let target = &mut inner[tree.at(k)..][..end];
-                        let rows = [&r0[..end], &r1[..end], &r2[..end]];
-                        subtract_three(target, [r0[p], r1[p], r2[p]], rows);
+                        subtract_fours(target, r0[p], &r0[..end]);
+                        subtract_fours(target, r1[p], &r1[..end]);
+                        subtract_fours(target, r2[p], &r2[..end]);
                     }
                 }
                 width => {
@@ -264,13 +275,14 @@ fn subtract_fours(target: &mut [f64], x: f64, row: &[f64]) {
     }
 }
 
-/// Three rows at once.
+/// Three rows from two at once.
 #[inline(always)]
-fn subtract_three(target: &mut [f64], [x, y, z]: [f64; 3], rows: [&[f64]; 3]) {
+fn subtract_three(targets: [&mut [f64]; 2], [f, g]: [[f64; 3]; 2], rows: [&[f64]; 3]) {
     let [a, b, c] = rows.map(|row| row.as_chunks::<FOUR>().0);
-    let target = target.as_chunks_mut::<FOUR>().0;
-    for (t, ((a, b), c)) in target.iter_mut().zip(a.iter().zip(b).zip(c)) {
-        *t = std::array::from_fn(|k| t[k] - (x * a[k] + y * b[k] + z * c[k]));
+    let [s, t] = targets.map(|row| row.as_chunks_mut::<FOUR>().0);
+    for ((s, t), ((a, b), c)) in s.iter_mut().zip(t).zip(a.iter().zip(b).zip(c)) {
+        *s = std::array::from_fn(|k| s[k] - (f[0] * a[k] + f[1] * b[k] + f[2] * c[k]));
+        *t = std::array::from_fn(|k| t[k] - (g[0] * a[k] + g[1] * b[k] + g[2] * c[k]));
     }
 }
 

@@ -127,10 +127,13 @@ impl Finder {
             let of = Slot { body: pair.bodies[0], other: Some(pair.bodies[1]) };
             let slot = slots.len() - usize::from(last == Some(of));
             let first = shapes.of_pair(number);
-            let [[low, high], [other_low, other_high]] = pair.capsules.map(|c| self.boxes[c]);
-            let apart = |k: usize| low[k] > other_high[k] || other_low[k] > high[k];
-            if apart(0) || apart(1) || apart(2) {
-                forces[first..first + ENDS].fill([0.0; 3]);
+            let [[low, high], [other_low, other_high]] =
+                [&self.boxes[pair.capsules[0]], &self.boxes[pair.capsules[1]]];
+            let apart = |k: usize| (low[k] > other_high[k]) | (other_low[k] > high[k]);
+            if apart(0) | apart(1) | apart(2) {
+                for force in &mut forces[first..first + ENDS] {
+                    *force = [0.0; 3];
+                }
                 continue;
             }
             self.capsules((shapes, pair), (state, slot, first), (inner, law), forces, contacts);
