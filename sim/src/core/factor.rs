@@ -75,19 +75,25 @@ impl Factor {
                     let (r0, own) = own.split_at_mut(fours(depth + 1));
                     let (r1, own) = own.split_at_mut(fours(depth + 2));
                     let r2 = &mut own[..fours(depth + 3)];
-                    inverse[2] = pivot(r2[depth + 2]).ok_or(block.first + 2)?;
-                    scale(&mut r2[..depth + 2], inverse[2]);
-                    let (x1, x0) = (r2[depth + 1], r2[depth]);
-                    subtract(&mut r1[..depth + 2], x1, &r2[..depth + 2]);
-                    inverse[1] = pivot(r1[depth + 1]).ok_or(block.first + 1)?;
-                    scale(&mut r1[..depth + 1], inverse[1]);
-                    let y0 = r1[depth];
-                    for ((t, a), b) in r0[..depth + 1].iter_mut().zip(&r1[..depth + 1]).zip(&r2[..depth + 1])
-                    {
-                        *t -= y0 * a + x0 * b;
+                    // the joint's own 3 × 3, then the rows in one pass
+                    let (a22, a21, a20) = (r2[depth + 2], r2[depth + 1], r2[depth]);
+                    let i2 = pivot(a22).ok_or(block.first + 2)?;
+                    let (x1, x0) = (a21 * i2, a20 * i2);
+                    let (a11, a10) = (r1[depth + 1] - x1 * x1, r1[depth] - x1 * x0);
+                    let i1 = pivot(a11).ok_or(block.first + 1)?;
+                    let y0 = a10 * i1;
+                    let i0 = pivot(r0[depth] - (y0 * y0 + x0 * x0)).ok_or(block.first)?;
+                    inverse.copy_from_slice(&[i0, i1, i2]);
+                    let [a, b, c] = [&mut *r0, &mut *r1, &mut *r2].map(|r| r.as_chunks_mut::<FOUR>().0);
+                    for ((a, b), c) in a.iter_mut().zip(b).zip(c).take(depth.div_ceil(FOUR)) {
+                        let z = c.map(|c| c * i2);
+                        let y: [f64; FOUR] = std::array::from_fn(|k| (b[k] - x1 * z[k]) * i1);
+                        *a = std::array::from_fn(|k| (a[k] - (y0 * y[k] + x0 * z[k])) * i0);
+                        (*b, *c) = (y, z);
                     }
-                    inverse[0] = pivot(r0[depth]).ok_or(block.first)?;
-                    scale(&mut r0[..depth], inverse[0]);
+                    // fours at the end of a pass reach into what the joint has of its own
+                    r1[depth] = y0;
+                    (r2[depth], r2[depth + 1]) = (x0, x1);
                     // two rows inboard at a time, which are as long as each other in fours: they read the same three rows
                     let (pairs, last) = chain[..depth].as_chunks::<2>();
                     for (i, &[k, l]) in pairs.iter().enumerate() {

@@ -80,14 +80,15 @@ impl Finder {
                 if height > group.reach + margin {
                     forces[group.from..group.to].fill([0.0; 3]);
                 } else {
+                    let up_here = s.rotation.tr_mul(&up);
                     for point in group.from..group.to {
                         let p = &shapes.points[point];
-                        let arm = s.rotation * p.at - up * p.radius;
-                        let depth = -(height + arm.dot(&up));
+                        let depth = p.radius - (height + p.at.dot(&up_here));
                         if depth < -margin {
                             forces[point] = [0.0; 3];
                             continue;
                         }
+                        let arm = s.rotation * p.at - up * p.radius;
                         let at = s.origin() + arm;
                         let moving = ground.rate.cross(&(at - pivot));
                         let friction = ground.floor.friction;
