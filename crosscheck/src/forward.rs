@@ -53,6 +53,9 @@ pub fn compare(bridge: &Shared, take: &Take, progress: &mut dyn FnMut(f64)) -> R
         pass.substeps = Some(SUBSTEPS);
         pass.ground = None;
         pass.setup.ground_m = None;
+        // an impact has no order
+        pass.props.clear();
+        pass.self_collision = false;
         pass
     };
     let end_s = take.asked.clip.duration_s().min(LONGEST);

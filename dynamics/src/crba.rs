@@ -15,16 +15,36 @@ use nalgebra::{DMatrix, Matrix3, SVector};
 use crate::composite::{Axes, Composite, Momenta};
 use crate::model::{BodyState, Model, MovingBody, State};
 
-/// `m`, column-major `n × n`, with the place where rows and columns of one joint go.
-struct Target<'a> {
+/// Where the blocks of M go.
+trait Target {
+    /// Row of one axis `a` of `body` at columns k…k+W.
+    fn row<const N: usize, const W: usize>(
+        &mut self,
+        body: usize,
+        a: usize,
+        k: usize,
+        value: &SVector<f64, N>,
+    );
+
+    /// Rows a, a+1, a+2 of `body` at columns k…k+W; `places`: a, and the first degree of freedom of `body`.
+    fn rows<const N: usize, const W: usize>(
+        &mut self,
+        body: usize,
+        places: (usize, usize),
+        k: usize,
+        f: &Axes<N>,
+    );
+}
+
+/// `m`, column-major `n × n`: blocks and their mirror images.
+struct Dense<'a> {
     m: &'a mut [f64],
     n: usize,
 }
 
-impl Target<'_> {
-    /// Entries (a, k…k+W) and their mirror images.
+impl Target for Dense<'_> {
     #[inline(always)]
-    fn row<const N: usize, const W: usize>(&mut self, a: usize, k: usize, value: &SVector<f64, N>) {
+    fn row<const N: usize, const W: usize>(&mut self, _: usize, a: usize, k: usize, value: &SVector<f64, N>) {
         let at = a * self.n + k;
         self.m[at..at + W].copy_from_slice(&value.as_slice()[..W]);
         for c in 0..W {
@@ -32,9 +52,14 @@ impl Target<'_> {
         }
     }
 
-    /// Rows a, a+1, a+2 at columns k…k+W, and their mirror images.
     #[inline(always)]
-    fn rows<const N: usize, const W: usize>(&mut self, a: usize, k: usize, f: &Axes<N>) {
+    fn rows<const N: usize, const W: usize>(
+        &mut self,
+        _: usize,
+        (a, _): (usize, usize),
+        k: usize,
+        f: &Axes<N>,
+    ) {
         let mut at = a * self.n + k;
         for row in f {
             self.m[at..at + W].copy_from_slice(&row.as_slice()[..W]);
@@ -46,52 +71,95 @@ impl Target<'_> {
             at += self.n;
         }
     }
+}
 
-    /// The block of the joint of `b` against W axes that start at column k.
+/// The lower triangle on the sparsity of the tree. See [`State::mass_rows`].
+struct Packed<'a> {
+    rows: &'a mut [f64],
+    at: &'a [usize],
+    depth: &'a [usize],
+}
+
+impl Target for Packed<'_> {
     #[inline(always)]
-    fn block<const N: usize, const W: usize>(
+    fn row<const N: usize, const W: usize>(
         &mut self,
-        b: &MovingBody,
-        s: &BodyState,
+        body: usize,
+        _: usize,
         k: usize,
-        p: &Axes<N>,
-        l: &Axes<N>,
+        value: &SVector<f64, N>,
     ) {
-        let at = b.v_at;
-        match b.joint {
-            // a root whose zero frame is the world's
-            Joint::Free if b.parent.is_none() && b.turned.is_none() => {
-                self.rows::<N, W>(at, k, p);
-                self.rows::<N, W>(at + 3, k, l);
-            }
-            Joint::Free => {
-                self.rows::<N, W>(at, k, &along_columns(&s.zero, p));
-                self.rows::<N, W>(at + 3, k, &along_columns(&s.zero, l));
-            }
-            Joint::Spherical => self.rows::<N, W>(at, k, &along_columns(&s.zero, l)),
-            Joint::Revolute(_) => self.row::<N, W>(at, k, &along(&s.axis, l)),
-            Joint::Prismatic(_) => self.row::<N, W>(at, k, &along(&s.axis, p)),
-            Joint::Fixed => {}
+        let depth = self.depth[body];
+        for c in 0..W {
+            self.rows[self.at[k + c] + depth] = value[c];
         }
     }
 
-    /// Blocks of W axes of `body`, from column k, against the body's joint and all inboard.
-    fn column<const N: usize, const W: usize>(
+    #[inline(always)]
+    fn rows<const N: usize, const W: usize>(
         &mut self,
-        model: &Model,
-        states: &[BodyState],
         body: usize,
+        (a, first): (usize, usize),
         k: usize,
-        f: &Momenta<N>,
+        f: &Axes<N>,
     ) {
-        let own = &states[body];
-        self.block::<N, W>(&model.bodies[body], own, k, &f.p, &f.l);
-        let mut up = model.bodies[body].parent;
-        while let Some(p) = up {
-            let (b, s) = (&model.bodies[p], &states[p]);
-            self.block::<N, W>(b, s, k, &f.p, &f.angular_about(&(own.origin() - s.origin())));
-            up = b.parent;
+        let position = self.depth[body] + a - first;
+        for c in 0..W {
+            let values = [f[0][c], f[1][c], f[2][c]];
+            // columns of the joint itself end at the diagonal
+            let len = (k + c + 1).saturating_sub(a).min(3);
+            let from = self.at[k + c] + position;
+            if len == 3 {
+                self.rows[from..from + 3].copy_from_slice(&values);
+            } else {
+                self.rows[from..from + len].copy_from_slice(&values[..len]);
+            }
         }
+    }
+}
+
+/// The block of the joint of `body` against W axes that start at column k.
+#[inline(always)]
+fn block<const N: usize, const W: usize>(
+    target: &mut impl Target,
+    (body, b, s): (usize, &MovingBody, &BodyState),
+    k: usize,
+    p: &Axes<N>,
+    l: &Axes<N>,
+) {
+    let at = b.v_at;
+    match b.joint {
+        // a root whose zero frame is the world's
+        Joint::Free if b.parent.is_none() && b.turned.is_none() => {
+            target.rows::<N, W>(body, (at, at), k, p);
+            target.rows::<N, W>(body, (at + 3, at), k, l);
+        }
+        Joint::Free => {
+            target.rows::<N, W>(body, (at, at), k, &along_columns(&s.zero, p));
+            target.rows::<N, W>(body, (at + 3, at), k, &along_columns(&s.zero, l));
+        }
+        Joint::Spherical => target.rows::<N, W>(body, (at, at), k, &along_columns(&s.zero, l)),
+        Joint::Revolute(_) => target.row::<N, W>(body, at, k, &along(&s.axis, l)),
+        Joint::Prismatic(_) => target.row::<N, W>(body, at, k, &along(&s.axis, p)),
+        Joint::Fixed => {}
+    }
+}
+
+/// Blocks of W axes of `body`, from column k, against the body's joint and all inboard.
+fn column<const N: usize, const W: usize>(
+    target: &mut impl Target,
+    (model, states): (&Model, &[BodyState]),
+    body: usize,
+    k: usize,
+    f: &Momenta<N>,
+) {
+    let own = &states[body];
+    block::<N, W>(target, (body, &model.bodies[body], own), k, &f.p, &f.l);
+    let mut up = model.bodies[body].parent;
+    while let Some(p) = up {
+        let (b, s) = (&model.bodies[p], &states[p]);
+        block::<N, W>(target, (p, b, s), k, &f.p, &f.angular_about(&(own.origin() - s.origin())));
+        up = b.parent;
     }
 }
 
@@ -105,29 +173,45 @@ impl State {
     pub fn mass_matrix(&mut self, model: &Model, m: &mut DMatrix<f64>) {
         let n = model.nv();
         assert_eq!(m.shape(), (n, n), "the mass matrix is nv × nv");
-        let mut target = Target { m: m.as_mut_slice(), n };
-        target.m.fill(0.0);
+        let m = m.as_mut_slice();
+        m.fill(0.0);
+        self.composite_rigid_bodies(model, &mut Dense { m, n });
+    }
+
+    /// The lower triangle of the mass matrix on the sparsity of the tree, into `rows`: row k has entries at the degrees of freedom inboard
+    /// of k alone, root first, and its own last (Featherstone 2008, §6.5).
+    ///
+    /// Nothing else of `rows` is written. Needs [`State::update_pose`] (or `update`); does not allocate.
+    ///
+    /// * `at`: where row k begins, for every degree of freedom
+    /// * `depth`: how many degrees of freedom lie inboard of the joint, for every body
+    ///
+    /// # Panics
+    /// If `rows`, `at` or `depth` are too short.
+    pub fn mass_rows(&mut self, model: &Model, (at, depth): (&[usize], &[usize]), rows: &mut [f64]) {
+        self.composite_rigid_bodies(model, &mut Packed { rows, at, depth });
+    }
+
+    #[inline(always)]
+    fn composite_rigid_bodies(&mut self, model: &Model, target: &mut impl Target) {
         for ((c, b), s) in self.carried.iter_mut().zip(&model.bodies).zip(&self.bodies) {
             *c = Composite::of(b.mass, &s.inertia, &s.to_com);
         }
         let states = &self.bodies;
+        let tree = (model, states.as_slice());
         for (i, b) in model.bodies.iter().enumerate().rev() {
             let (s, carried) = (&states[i], self.carried[i]);
             let at = b.v_at;
             match b.joint {
                 Joint::Free => {
                     let axes = lanes(&s.zero);
-                    target.column::<4, 3>(model, states, i, at, &carried.sliding(&axes));
-                    target.column::<4, 3>(model, states, i, at + 3, &carried.turning(&axes));
+                    column::<4, 3>(target, tree, i, at, &carried.sliding(&axes));
+                    column::<4, 3>(target, tree, i, at + 3, &carried.turning(&axes));
                 }
-                Joint::Spherical => {
-                    target.column::<4, 3>(model, states, i, at, &carried.turning(&lanes(&s.zero)));
-                }
-                Joint::Revolute(_) => {
-                    target.column::<1, 1>(model, states, i, at, &carried.turning(&single(&s.axis)));
-                }
+                Joint::Spherical => column::<4, 3>(target, tree, i, at, &carried.turning(&lanes(&s.zero))),
+                Joint::Revolute(_) => column::<1, 1>(target, tree, i, at, &carried.turning(&single(&s.axis))),
                 Joint::Prismatic(_) => {
-                    target.column::<1, 1>(model, states, i, at, &carried.sliding(&single(&s.axis)));
+                    column::<1, 1>(target, tree, i, at, &carried.sliding(&single(&s.axis)))
                 }
                 Joint::Fixed => {}
             }

@@ -53,7 +53,13 @@ pub fn exp_rate(r: &Vec3, rate: &Vec3) -> Vec3 {
 pub fn log_moment(r: &Vec3, f: &Vec3) -> Vec3 {
     let t2 = r.norm_squared();
     let t = t2.sqrt();
-    let b = if t > 1e-3 { 1.0 / t2 - 0.5 / (t * (0.5 * t).tan()) } else { 1.0 / 12.0 + t2 / 720.0 };
+    // its series in t²/(2π)², to rounding, where the quotients would lose digits
+    let b = if t > 0.3 {
+        1.0 / t2 - 0.5 / (t * (0.5 * t).tan())
+    } else {
+        let rest = 1.0 / 1_209_600.0 + t2 * (1.0 / 47_900_160.0 + t2 * (691.0 / 1_307_674_368_000.0));
+        1.0 / 12.0 + t2 * (1.0 / 720.0 + t2 * (1.0 / 30_240.0 + t2 * rest))
+    };
     let turned = r.cross(f);
     f + turned * 0.5 + r.cross(&turned) * b
 }

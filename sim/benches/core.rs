@@ -7,13 +7,16 @@
 use std::hint::black_box;
 use std::time::Instant;
 
+use bodies::Character;
 use bodies::anthropometry::human::human;
-use bodies::{Body, Character, JointClass};
 use controllers::{Drive, rest_of};
 use criterion::{Criterion, criterion_group};
-use motion::{Floor, Joint, Link, Quat, Shape, Skeleton, Vec3};
-use nalgebra::Matrix3;
+use motion::{Floor, Vec3};
 use sim::{Core, Engine, EngineSettings, Rapier};
+
+mod bush;
+
+use bush::bush;
 
 const RATE_HZ: f64 = 240.0;
 /// Steps per block.
@@ -39,41 +42,6 @@ fn hold(engine: &dyn Engine, rest: &[f64], stiffness: f64, damping: f64) -> Vec<
     let model = engine.model();
     let drive = |i: usize| Drive { stiffness, damping, rest: rest_of(model, i, rest) };
     (0..model.bodies.len()).map(drive).collect()
-}
-
-/// A bush: a root of two feet, and from it branches of balls and hinges, five links long.
-fn bush(links: usize) -> Character {
-    let mut all = vec![Link::new("root", None, Vec3::zeros(), Joint::Free)];
-    let half = Vec3::new(0.06, 0.02, 0.12);
-    let foot = |x: f64| Shape::Box { center: Vec3::new(x, 0.02, 0.0), half, rotation: Quat::identity() };
-    let body = |mass: f64, shapes: Vec<Shape>| Body {
-        mass,
-        com: Vec3::new(0.0, 0.1, 0.0),
-        inertia: Matrix3::from_diagonal(&Vec3::new(0.01, 0.01, 0.008)) * mass,
-        shapes,
-    };
-    let mut bodies = vec![body(40.0, vec![foot(-0.15), foot(0.15)])];
-    for i in 1..links {
-        let (branch, at) = ((i - 1) / 5, (i - 1) % 5);
-        let parent = if at == 0 { 0 } else { i - 1 };
-        let angle = branch as f64 * 0.7;
-        let offset =
-            if at == 0 { Vec3::new(0.1 * angle.sin(), 0.3, 0.1 * angle.cos()) } else { Vec3::y() * 0.12 };
-        let joint = if at % 2 == 0 { Joint::Spherical } else { Joint::Revolute(Vec3::x()) };
-        all.push(Link::new(format!("link{i}"), Some(parent), offset, joint));
-        bodies.push(body(1.0, vec![Shape::Sphere { center: Vec3::zeros(), radius: 0.04 }]));
-    }
-    let skeleton = std::sync::Arc::new(Skeleton::new(all).unwrap());
-    Character {
-        name: "bush".into(),
-        classes: vec![JointClass::Other; links],
-        rest: skeleton.zero_pose(),
-        skeleton,
-        bodies,
-        contacts: vec![],
-    }
-    .check()
-    .unwrap()
 }
 
 fn core(c: &Character, substeps: usize) -> Core {

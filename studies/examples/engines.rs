@@ -13,8 +13,9 @@ use motion::skeleton::vec_at;
 use sim::{Engines, Outcome};
 use takes::{Ask, Overrides};
 
-const SCENES: [&str; 13] = [
+const SCENES: [&str; 14] = [
     "bow",
+    "chest",
     "crate",
     "greet",
     "greet-late",

@@ -21,7 +21,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let engines = Engines::default();
     let scenes = Path::new(env!("CARGO_MANIFEST_DIR")).join("../scenes");
     for scene in ["bow", "reach", "wave", "stand"] {
-        let (mut seconds, mut least) = (0.0, [f64::INFINITY; 2]);
+        let (mut seconds, mut least, mut solved) = (0.0, [f64::INFINITY; 2], None);
         for ((engine, passes), least) in ["core", "rapier"].into_iter().zip(PASSES).zip(&mut least) {
             let take = open(
                 scenes.join(format!("{scene}.ron")),
@@ -34,6 +34,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
                 if let Some(diverged) = outcome.diverged {
                     return Err(format!("{scene} in {engine}: {diverged}").into());
                 }
+                solved = solved.or(outcome.ledger);
                 seconds = outcome.trace.rows().saturating_sub(1) as f64 / outcome.trace.rate_hz;
             }
         }
@@ -44,6 +45,19 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
             1e3 * least[1],
             seconds / least[1]
         );
+        if let Some(l) = solved {
+            let each = |count: u64| count as f64 / l.touching.max(1) as f64;
+            println!(
+                "       {} contact solutions of {:.2} sweeps and {:.2} Newton steps, {} above 1e-6 m g dt; {} of {} substeps solved again, {} halved",
+                l.touching,
+                each(l.sweeps),
+                each(l.newton_steps),
+                l.above_tight,
+                l.resolved,
+                l.substeps,
+                l.halved
+            );
+        }
     }
     Ok(())
 }

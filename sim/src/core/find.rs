@@ -80,14 +80,15 @@ impl Finder {
                 if height > group.reach + margin {
                     forces[group.from..group.to].fill([0.0; 3]);
                 } else {
+                    let up_here = s.rotation.tr_mul(&up);
                     for point in group.from..group.to {
                         let p = &shapes.points[point];
-                        let arm = s.rotation * p.at - up * p.radius;
-                        let depth = -(height + arm.dot(&up));
+                        let depth = p.radius - (height + p.at.dot(&up_here));
                         if depth < -margin {
                             forces[point] = [0.0; 3];
                             continue;
                         }
+                        let arm = s.rotation * p.at - up * p.radius;
                         let at = s.origin() + arm;
                         let moving = ground.rate.cross(&(at - pivot));
                         let friction = ground.floor.friction;
@@ -127,10 +128,13 @@ impl Finder {
             let of = Slot { body: pair.bodies[0], other: Some(pair.bodies[1]) };
             let slot = slots.len() - usize::from(last == Some(of));
             let first = shapes.of_pair(number);
-            let [[low, high], [other_low, other_high]] = pair.capsules.map(|c| self.boxes[c]);
-            let apart = |k: usize| low[k] > other_high[k] || other_low[k] > high[k];
-            if apart(0) || apart(1) || apart(2) {
-                forces[first..first + ENDS].fill([0.0; 3]);
+            let [[low, high], [other_low, other_high]] =
+                [&self.boxes[pair.capsules[0]], &self.boxes[pair.capsules[1]]];
+            let apart = |k: usize| (low[k] > other_high[k]) | (other_low[k] > high[k]);
+            if apart(0) | apart(1) | apart(2) {
+                for force in &mut forces[first..first + ENDS] {
+                    *force = [0.0; 3];
+                }
                 continue;
             }
             self.capsules((shapes, pair), (state, slot, first), (inner, law), forces, contacts);

@@ -3,13 +3,11 @@
 //! In: impulses and relative velocities at contacts. Out: numbers. Units: N·s, m/s.
 
 use super::contact::Contact;
-use super::response::Twist;
 
-/// The natural map's residual of impulses and the twists they make, N·s.
-pub(super) fn residual(contacts: &[Contact], impulses: &[[f64; 3]], twists: &[Twist]) -> f64 {
+/// The natural map's residual of impulses and the velocities they make, N·s.
+pub(super) fn residual(contacts: &[Contact], impulses: &[[f64; 3]], velocities: &[[f64; 3]]) -> f64 {
     let mut sum = 0.0;
-    for (c, l) in contacts.iter().zip(impulses) {
-        let u = c.velocity(&twists[c.slot]);
+    for ((c, l), u) in contacts.iter().zip(impulses).zip(velocities) {
         let slip = length(u[1], u[2]);
         let u_n = u[0] + c.yielding * l[0] + c.friction * slip;
         let onto = cone([l[0] - c.mass * u_n, l[1] - c.mass * u[1], l[2] - c.mass * u[2]], c.friction);

@@ -14,7 +14,7 @@ use motion::rotation::exp;
 use motion::{Floor, Vec3};
 
 use super::contact::Ground;
-use super::momentum::Whole;
+use super::momentum::{Rigid, Whole};
 use super::solve::Solved;
 use super::{Core, Effort};
 use crate::Impulse;
@@ -61,7 +61,6 @@ impl Core {
         let settles = held == 0 && self.free_root();
         let exact = self.effort == Effort::Exact;
         let start = Whole::of(&self.model, &self.state);
-        self.state.mass_matrix(&self.model, &mut self.mass);
         self.expect(dt);
         self.state.update_velocity(&self.model, &self.expected);
         self.state.bias(&self.model, &self.expected, &mut self.force);
@@ -76,15 +75,18 @@ impl Core {
             self.change[i] = dt * (self.force[i] + k * self.rest[i] - (d + dt * k) * self.v[i]);
         }
         let (stiffness, damping) = (&self.stiffness, &self.damping);
-        self.factor.load(&self.tree, &self.mass, |i| dt * (damping[i] + dt * stiffness[i]));
+        let of = (&self.model, &mut self.state);
+        self.factor.load(&self.tree, of, |i| dt * (damping[i] + dt * stiffness[i]));
         if held > 0 {
             let path = self.path.unwrap_or_else(|| std::array::from_fn(|k| self.v[k]));
             for k in 0..held {
                 self.change[k] = path[k] - self.v[k];
             }
             for i in held..n {
+                // every chain begins with the root
+                let row = self.factor.row(&self.tree, i);
                 for k in 0..held {
-                    self.change[i] -= self.mass[(k, i)] * self.change[k];
+                    self.change[i] -= row[k] * self.change[k];
                 }
             }
         }
@@ -113,8 +115,9 @@ impl Core {
                 break;
             }
             let now = Whole::of(&self.model, &self.state);
+            let rigid = now.rigid(self.model.mass);
             let missing = self.missing(&start, &outside, &now);
-            let (shift, spin) = now.motion(self.model.mass, &missing.moved(&(now.com - start.com)));
+            let (shift, spin) = rigid.motion(&missing.moved(&(now.com - start.com)));
             let slip = self.slip(&now.com, &shift, &spin);
             if slip > FELT && (repeat == REPEATS || slip > CONTRACTION * least) && may_halve && exact {
                 self.back();
@@ -134,7 +137,7 @@ impl Core {
                 return Ok(false);
             }
             self.ledger.worst_slip = self.ledger.worst_slip.max(slip);
-            self.account(&(fed + missing), &start, &now);
+            self.account(&(fed + missing), &start, (&now, &rigid));
             self.finish(dt);
             return Ok(true);
         }
@@ -298,9 +301,8 @@ impl Core {
         self.state.update_velocity(&self.model, &self.v);
     }
 
-    fn account(&mut self, correction: &Impulse, start: &Whole, now: &Whole) {
-        let (shift, spin) =
-            now.motion(self.model.mass, &Impulse { linear: now.linear, angular: now.angular });
+    fn account(&mut self, correction: &Impulse, start: &Whole, (now, rigid): (&Whole, &Rigid)) {
+        let (shift, spin) = rigid.motion(&Impulse { linear: now.linear, angular: now.angular });
         let l = &mut self.ledger;
         l.root_correction += correction.moved(&-start.com);
         let work = correction.linear.dot(&shift) + correction.angular.dot(&spin);
@@ -314,6 +316,10 @@ impl Core {
         for (c, impulse) in self.contacts.iter().zip(&self.solver.impulses) {
             self.forces[c.point] = impulse.map(|x| x / dt);
             let touch = &mut self.touches[c.point];
+            if !touch.touched {
+                touch.touched = true;
+                self.touched.push(c.point);
+            }
             touch.impulse += c.world(impulse);
             touch.place += c.at * impulse[0];
             touch.weight += impulse[0];

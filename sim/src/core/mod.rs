@@ -46,7 +46,6 @@ pub mod rollouts;
 use bodies::Character;
 use dynamics::{Model, State, Wrench};
 use motion::{Joint, Vec3};
-use nalgebra::DMatrix;
 
 use crate::{ContactLaw, Engine, EngineEntry, EngineError, EngineSettings, Ledger};
 use contact::{Contact, Yield};
@@ -82,6 +81,8 @@ struct Touch {
     weight: f64,
     /// Depth in the last substep in which it touched, m.
     depth: f64,
+    /// Whether it is among [`Core::touched`].
+    touched: bool,
 }
 
 /// How exactly a substep is solved.
@@ -132,7 +133,6 @@ pub struct Core {
 
     // what a step overwrites
     state: State,
-    mass: DMatrix<f64>,
     factor: Factor,
     force: Vec<f64>,
     change: Vec<f64>,
@@ -153,6 +153,8 @@ pub struct Core {
     /// Energy from nothing in this control step, J.
     gained: f64,
     touches: Vec<Touch>,
+    /// Places that touched in this control step, each once.
+    touched: Vec<usize>,
     ledger: Ledger,
 }
 
@@ -206,11 +208,11 @@ impl Core {
             gained: 0.0,
             turning: turning(&model),
             touches: vec![Touch::default(); places],
+            touched: Vec::with_capacity(places),
             contacts: Vec::with_capacity(room),
             slots: Vec::with_capacity(slots),
             finder: Finder::new(&shapes),
             state: State::new(&model),
-            mass: DMatrix::zeros(n, n),
             factor: Factor::new(&tree, n),
             force: vec![0.0; n],
             change: vec![0.0; n],
@@ -239,8 +241,7 @@ impl Core {
             effort: Effort::Exact,
         };
         core.state.update(&core.model, &core.q, &core.v);
-        core.state.mass_matrix(&core.model, &mut core.mass);
-        core.factor.load(&core.tree, &core.mass, |_| 0.0);
+        core.factor.load(&core.tree, (&core.model, &mut core.state), |_| 0.0);
         core.factor.factor(&core.tree, core.held()).map_err(|dof| {
             EngineError::Failed(format!(
                 "`{}` moves no inertia; its acceleration is not defined",
@@ -269,7 +270,14 @@ impl Core {
         self.v.copy_from_slice(v);
         self.state.update(&self.model, &self.q, &self.v);
         self.forces.fill([0.0; 3]);
-        self.touches.fill(Touch::default());
+        self.forget_touches();
+    }
+
+    /// Forgets what touched in this control step.
+    fn forget_touches(&mut self) {
+        for place in self.touched.drain(..) {
+            self.touches[place] = Touch::default();
+        }
     }
 
     /// Degrees of freedom that move as given instead of by forces: those of a pinned root.

@@ -8,7 +8,7 @@
 //! The twists are found by Newton's method on a piecewise smooth equation, with six unknowns per loaded body however many points it touches
 //! with: `(1 + G Σ Wᵀ A W) δu = u_free + G Σ Wᵀ λ(u) − u`, A = −∂λ/∂(W u), 3 × 3 for each point.
 
-use super::contact::{Contact, apply, dot6};
+use super::contact::{Contact, apply};
 use super::friction::{disc, length, residual};
 use super::response::{Response, Twist};
 
@@ -21,27 +21,43 @@ const PARTS: [f64; 4] = [1.0, 0.3, 0.1, 0.02];
 /// Error of the impulses at which a proximal step ends, over the tolerance of the solution.
 const CONVERGED: f64 = 0.1;
 
-/// The memory of a step.
+/// What a point is asked at u.
+#[derive(Clone, Copy, Debug, Default)]
+struct Asked {
+    /// W u.
+    velocity: [f64; 3],
+    /// A.
+    slope: [[f64; 3]; 3],
+}
+
+/// Part of the disc of friction within which a point sticks.
+const INSIDE: f64 = 1.0 - 1e-6;
+
+/// The memory of a step, and what it leaves: impulses, their wrenches and twists.
 #[derive(Clone, Debug)]
 pub(super) struct Newton {
+    /// λ(u).
+    pub impulses: Vec<[f64; 3]>,
+    /// Σ Wᵀ λ(u) of each body.
+    pub wrenches: Vec<Twist>,
+    /// `u_free + G Σ Wᵀ λ(u)`.
+    pub twists: Vec<Twist>,
     /// Bodies with a point that is not open: only their twists matter.
     loaded: Vec<usize>,
-    /// `6 n × 6 n` over loaded bodies, by rows.
-    matrix: Vec<f64>,
+    /// `6 n × 6 n` over loaded bodies, by rows of n sixes.
+    matrix: Vec<Twist>,
     right: Vec<f64>,
     /// δu.
     change: Vec<Twist>,
     /// `Σ Wᵀ A W` of each body, by rows.
     stiffness: Vec<[Twist; 6]>,
-    /// Σ Wᵀ λ(u) of each body.
-    wrenches: Vec<Twist>,
-    /// `u_free + G Σ Wᵀ λ(u)`.
-    answer: Vec<Twist>,
     /// u under way, and where a step begins.
-    twists: Vec<Twist>,
+    tried: Vec<Twist>,
     from: Vec<Twist>,
-    /// λ(u).
-    impulses: Vec<[f64; 3]>,
+    /// Of each point at u.
+    asked: Vec<Asked>,
+    /// `W twists` of each point: its velocity under λ(u).
+    answers: Vec<[f64; 3]>,
     /// λ₀.
     start: Vec<[f64; 3]>,
 }
@@ -50,43 +66,54 @@ impl Newton {
     pub fn new(points: usize, bodies: usize) -> Self {
         let n = bodies.min(BODIES);
         Self {
+            impulses: Vec::with_capacity(points),
+            wrenches: Vec::with_capacity(bodies),
+            twists: Vec::with_capacity(bodies),
             loaded: Vec::with_capacity(bodies),
-            matrix: Vec::with_capacity(36 * n * n),
+            matrix: Vec::with_capacity(6 * n * n),
             right: Vec::with_capacity(6 * n),
             change: Vec::with_capacity(bodies),
             stiffness: Vec::with_capacity(bodies),
-            wrenches: Vec::with_capacity(bodies),
-            answer: Vec::with_capacity(bodies),
-            twists: Vec::with_capacity(bodies),
+            tried: Vec::with_capacity(bodies),
             from: Vec::with_capacity(bodies),
-            impulses: Vec::with_capacity(points),
+            asked: Vec::with_capacity(points),
+            answers: Vec::with_capacity(points),
             start: Vec::with_capacity(points),
         }
     }
 
-    /// Takes a proximal step from impulses and their twists; returns the Newton steps it took.
+    /// Takes a proximal step from impulses and their twists; returns the Newton steps it took and, where it took any, the natural
+    /// map's residual of the impulses that it leaves, N·s.
     pub fn step(
         &mut self,
         (contacts, response): (&[Contact], &Response),
         (sigma, tolerance): (f64, f64),
         twists: &[Twist],
-        impulses: &mut [[f64; 3]],
-    ) -> usize {
+        impulses: &[[f64; 3]],
+    ) -> (usize, Option<f64>) {
         self.start.clear();
         self.start.extend_from_slice(impulses);
-        self.twists.clear();
-        self.twists.extend_from_slice(twists);
+        self.tried.clear();
+        self.tried.extend_from_slice(twists);
         let problem = (contacts, response);
-        let mut error = self.error(problem, sigma);
         let goal = CONVERGED * tolerance / sigma;
-        for step in 0..STEPS {
-            if error <= goal {
-                return step;
+        self.begin(problem, sigma);
+        if !self.direction(problem) {
+            return (0, None);
+        }
+        self.from.clone_from(&self.tried);
+        self.move_by(1.0);
+        let mut error = self.error(problem, sigma);
+        let residual_now = residual(contacts, &self.impulses, &self.answers);
+        let mut left = Some(residual_now);
+        if residual_now <= tolerance {
+            return (1, left);
+        }
+        for step in 1..STEPS {
+            if error <= goal || !self.direction(problem) {
+                return (step, left);
             }
-            if !self.direction(problem, sigma) {
-                return step;
-            }
-            self.from.clone_from(&self.twists);
+            self.from.clone_from(&self.tried);
             let mut best = (f64::INFINITY, 0.0);
             for part in PARTS {
                 self.move_by(part);
@@ -106,59 +133,91 @@ impl Newton {
             // so near the end of what the arithmetic resolves a step that does not gain much gains nothing
             let stalls = best.0 > 0.1 * error && error <= 100.0 * goal;
             error = best.0;
-            impulses.copy_from_slice(&self.impulses);
-            if stalls || residual(contacts, impulses, &self.answer) <= tolerance {
-                return step + 1;
+            let residual = residual(contacts, &self.impulses, &self.answers);
+            left = Some(residual);
+            if stalls || residual <= tolerance {
+                return (step + 1, left);
             }
         }
-        STEPS
+        (STEPS, left)
+    }
+
+    /// Takes λ(u) as if nothing changed: points that stick do, those that slide slide on, each linear about where that is so.
+    fn begin(&mut self, (contacts, response): (&[Contact], &Response), sigma: f64) {
+        let n = response.bodies();
+        self.asked.clear();
+        self.wrenches.clear();
+        self.wrenches.resize(n, [0.0; 6]);
+        self.twists.resize(n, [0.0; 6]);
+        for (c, l0) in contacts.iter().zip(&self.start) {
+            let velocity = c.velocity(&self.tried[c.slot]);
+            let about = if l0[0] <= 0.0 {
+                velocity
+            } else if length(l0[1], l0[2]) < INSIDE * c.friction * l0[0] {
+                [0.0; 3]
+            } else {
+                [0.0, velocity[1], velocity[2]]
+            };
+            let (mut l, slope) = law(c, &about, l0, sigma);
+            for (l, a) in l.iter_mut().zip(&slope) {
+                *l -= (0..3).map(|k| a[k] * (velocity[k] - about[k])).sum::<f64>();
+            }
+            c.push(&l, &mut self.wrenches[c.slot]);
+            self.asked.push(Asked { velocity, slope });
+        }
+        response.twists(&self.wrenches, &mut self.twists);
     }
 
     /// Evaluates λ(u), what it makes of the twists, and how far that is from u, times the apparent masses, N·s.
     fn error(&mut self, (contacts, response): (&[Contact], &Response), sigma: f64) -> f64 {
         let n = response.bodies();
         self.impulses.clear();
+        self.asked.clear();
+        self.answers.clear();
         self.wrenches.clear();
         self.wrenches.resize(n, [0.0; 6]);
-        self.answer.resize(n, [0.0; 6]);
+        self.twists.resize(n, [0.0; 6]);
         for (c, l0) in contacts.iter().zip(&self.start) {
-            let (l, _) = law(c, &c.velocity(&self.twists[c.slot]), l0, sigma);
+            let velocity = c.velocity(&self.tried[c.slot]);
+            let (l, slope) = law(c, &velocity, l0, sigma);
             c.push(&l, &mut self.wrenches[c.slot]);
             self.impulses.push(l);
+            self.asked.push(Asked { velocity, slope });
         }
-        response.twists(&self.wrenches, &mut self.answer);
+        response.twists(&self.wrenches, &mut self.twists);
         let mut sum = 0.0;
-        for c in contacts {
-            let gap: Twist = std::array::from_fn(|k| self.answer[c.slot][k] - self.twists[c.slot][k]);
-            for row in &c.rows {
-                sum += (c.mass * dot6(row, &gap)).powi(2);
-            }
+        for (c, asked) in contacts.iter().zip(&self.asked) {
+            let answer = c.velocity(&self.twists[c.slot]);
+            let gap = |k: usize| c.mass * (answer[k] - asked.velocity[k]);
+            let (x, y, z) = (gap(0), gap(1), gap(2));
+            sum += x * x + y * y + z * z;
+            self.answers.push(answer);
         }
         sum.sqrt()
     }
 
-    /// Solves for δu at u, into `right`; `false` where the system is too large or singular.
-    fn direction(&mut self, (contacts, response): (&[Contact], &Response), sigma: f64) -> bool {
+    /// Solves for δu at u as last evaluated; `false` where the system is too large or singular.
+    fn direction(&mut self, (contacts, response): (&[Contact], &Response)) -> bool {
         let n = response.bodies();
         self.stiffness.clear();
         self.stiffness.resize(n, [[0.0; 6]; 6]);
         self.loaded.clear();
-        for (c, l0) in contacts.iter().zip(&self.start) {
-            let (_, a) = law(c, &c.velocity(&self.twists[c.slot]), l0, sigma);
+        for (c, Asked { slope: a, .. }) in contacts.iter().zip(&self.asked) {
             if a[0][0] == 0.0 {
                 continue;
             }
             if self.loaded.last() != Some(&c.slot) {
                 self.loaded.push(c.slot);
             }
-            let s = &mut self.stiffness[c.slot];
-            for (row, a) in c.rows.iter().zip(&a) {
-                let mixed: Twist =
-                    std::array::from_fn(|k| a[0] * c.rows[0][k] + a[1] * c.rows[1][k] + a[2] * c.rows[2][k]);
-                for (s, r) in s.iter_mut().zip(row) {
-                    for (s, m) in s.iter_mut().zip(&mixed) {
-                        *s += r * m;
-                    }
+            let [n, t1, t2] = &c.rows;
+            let mixed = |a: &[f64; 3]| -> Twist {
+                std::array::from_fn(|k| a[0] * n[k] + a[1] * t1[k] + a[2] * t2[k])
+            };
+            // the normal impulse depends on the normal velocity alone
+            let (x, y, z) = (n.map(|n| a[0][0] * n), mixed(&a[1]), mixed(&a[2]));
+            for (r, row) in self.stiffness[c.slot].iter_mut().enumerate() {
+                for k in 0..6 {
+                    row[k] += n[r] * x[k] + t1[r] * y[k] + t2[r] * z[k];
                 }
             }
         }
@@ -166,25 +225,22 @@ impl Newton {
         if loaded > BODIES {
             return false;
         }
-        let size = 6 * loaded;
         self.matrix.clear();
-        self.matrix.resize(size * size, 0.0);
         self.right.clear();
-        for (i, &a) in self.loaded.iter().enumerate() {
-            for (j, &b) in self.loaded.iter().enumerate() {
-                let (g, s) = (&response.g[a * n + b], &self.stiffness[b]);
-                for (column, s) in g.iter().zip(s) {
-                    for (k, x) in column.iter().enumerate() {
-                        let row = &mut self.matrix[(6 * i + k) * size + 6 * j..][..6];
+        for &a in &self.loaded {
+            for k in 0..6 {
+                for &b in &self.loaded {
+                    let (g, s) = (&response.g[a * n + b], &self.stiffness[b]);
+                    let mut row = [0.0; 6];
+                    row[k] = if a == b { 1.0 } else { 0.0 };
+                    for (column, s) in g.iter().zip(s) {
                         for (m, s) in row.iter_mut().zip(s) {
-                            *m += x * s;
+                            *m += column[k] * s;
                         }
                     }
+                    self.matrix.push(row);
                 }
-            }
-            for k in 0..6 {
-                self.matrix[(6 * i + k) * (size + 1)] += 1.0;
-                self.right.push(self.answer[a][k] - self.twists[a][k]);
+                self.right.push(self.twists[a][k] - self.tried[a][k]);
             }
         }
         if !solve(&mut self.matrix, &mut self.right) {
@@ -192,7 +248,7 @@ impl Newton {
         }
         // twists without load follow: δu = u_free + G Σ Wᵀ λ − u − G Σ Wᵀ A W δu
         self.change.clear();
-        for (a, (answer, twist)) in self.answer.iter().zip(&self.twists).enumerate() {
+        for (a, (answer, twist)) in self.twists.iter().zip(&self.tried).enumerate() {
             self.change.push(std::array::from_fn(|k| answer[k] - twist[k]));
             if let Ok(i) = self.loaded.binary_search(&a) {
                 self.change[a].copy_from_slice(&self.right[6 * i..6 * i + 6]);
@@ -212,7 +268,7 @@ impl Newton {
 
     /// Twists a part of the step away from where it begins.
     fn move_by(&mut self, part: f64) {
-        for ((twist, from), change) in self.twists.iter_mut().zip(&self.from).zip(&self.change) {
+        for ((twist, from), change) in self.tried.iter_mut().zip(&self.from).zip(&self.change) {
             *twist = std::array::from_fn(|k| from[k] + part * change[k]);
         }
     }
@@ -254,42 +310,52 @@ fn law(c: &Contact, u: &[f64; 3], l0: &[f64; 3], sigma: f64) -> ([f64; 3], [[f64
     ([normal, t1, t2], a)
 }
 
-/// Solves `m x = b` in place by elimination with row pivots; `false` if m is singular.
-fn solve(m: &mut [f64], b: &mut [f64]) -> bool {
+/// Solves `m x = b` in place by elimination with row pivots, m by rows of sixes; `false` if m is singular.
+fn solve(m: &mut [Twist], b: &mut [f64]) -> bool {
     let n = b.len();
+    let sixes = n / 6;
     for k in 0..n {
-        let mut best = k;
-        for i in k + 1..n {
-            if m[i * n + k].abs() > m[best * n + k].abs() {
-                best = i;
+        // what lies left of the six that holds the pivot is zero
+        let (first, lane) = (k / 6, k % 6);
+        let (mut best, mut most) = (k, 0.0);
+        for i in k..n {
+            let size = m[i * sixes + first][lane].abs();
+            if size > most {
+                (best, most) = (i, size);
             }
         }
-        let pivot = m[best * n + k];
-        if !(pivot.abs() > 0.0 && pivot.is_finite()) {
+        if !(most > 0.0 && most.is_finite()) {
             return false;
         }
+        let (upper, lower) = m.split_at_mut((k + 1) * sixes);
+        let row = &mut upper[k * sixes + first..];
         if best != k {
-            let (upper, lower) = m.split_at_mut(best * n);
-            upper[k * n + k..k * n + n].swap_with_slice(&mut lower[k..n]);
+            row.swap_with_slice(&mut lower[(best - k - 1) * sixes + first..(best - k) * sixes]);
             b.swap(k, best);
         }
-        let inverse = 1.0 / pivot;
-        let (upper, lower) = m.split_at_mut((k + 1) * n);
-        let row = &upper[k * n + k + 1..];
-        for (i, below) in lower.chunks_exact_mut(n).enumerate() {
-            let x = below[k] * inverse;
+        let inverse = 1.0 / row[0][lane];
+        let own = b[k];
+        for (below, b) in lower.chunks_exact_mut(sixes).zip(&mut b[k + 1..]) {
+            let x = below[first][lane] * inverse;
             if x != 0.0 {
-                for (t, r) in below[k + 1..].iter_mut().zip(row) {
-                    *t -= x * r;
+                for (below, row) in below[first..].iter_mut().zip(&*row) {
+                    for (t, r) in below.iter_mut().zip(row) {
+                        *t -= x * r;
+                    }
                 }
-                b[k + 1 + i] -= x * b[k];
+                *b -= x * own;
             }
         }
     }
     for k in (0..n).rev() {
-        let row = &m[k * n..(k + 1) * n];
-        let sum: f64 = row[k + 1..].iter().zip(&b[k + 1..]).map(|(a, x)| a * x).sum();
-        b[k] = (b[k] - sum) / row[k];
+        let (first, lane) = (k / 6, k % 6);
+        let row = &m[k * sixes..(k + 1) * sixes];
+        let mut sum: f64 = (lane + 1..6).map(|j| row[first][j] * b[6 * first + j]).sum();
+        for (row, x) in row[first + 1..].iter().zip(b[6 * (first + 1)..].chunks_exact(6)) {
+            sum += (row[0] * x[0] + row[1] * x[1] + row[2] * x[2])
+                + (row[3] * x[3] + row[4] * x[4] + row[5] * x[5]);
+        }
+        b[k] = (b[k] - sum) / row[first][lane];
     }
     b.iter().all(|x| x.is_finite())
 }

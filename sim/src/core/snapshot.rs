@@ -8,7 +8,7 @@ use dynamics::Wrench;
 use motion::Vec3;
 use nalgebra::Matrix3;
 
-use super::{Core, Touch};
+use super::Core;
 
 /// The state of a [`Core`]. See the module header.
 #[derive(Clone, Debug)]
@@ -128,7 +128,7 @@ impl Core {
             (b.mass, b.com, b.inertia) = *from;
         }
         self.state.update(&self.model, &self.q, &self.v);
-        self.touches.fill(Touch::default());
+        self.forget_touches();
     }
 
     fn up(&self) -> Vec3 {
@@ -149,7 +149,6 @@ mod tests {
         /// Fills everything that a step overwrites with numbers that spoil what reads them.
         fn spoil(&mut self) {
             let bad = f64::NAN;
-            self.mass.fill(bad);
             self.factor.spoil();
             for scratch in [
                 &mut self.force,

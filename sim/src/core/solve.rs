@@ -21,8 +21,8 @@ const ROUNDS: usize = 16;
 /// In so many rounds the residual has to halve.
 const PATIENCE: usize = 4;
 
-/// σ of the proximal steps of a finish, one after another.
-const SIGMAS: [f64; 5] = [1e4, 1e6, 1e1, 1e2, 1e4];
+/// σ of the proximal steps of a finish, one after another: where the residual is over a thousandfold the tolerance, and where it is near.
+const SIGMAS: [[f64; 5]; 2] = [[1e6, 1e4, 1e1, 1e2, 1e4], [1e4, 1e6, 1e1, 1e2, 1e4]];
 
 /// What a solution cost and how good it is.
 #[derive(Clone, Copy, Debug, Default)]
@@ -42,7 +42,8 @@ pub(super) struct Solver {
     pub wrenches: Vec<Twist>,
     /// Twists with the impulses.
     pub twists: Vec<Twist>,
-    best: Vec<[f64; 3]>,
+    /// Velocities of the points with the impulses.
+    velocities: Vec<[f64; 3]>,
     newton: Newton,
 }
 
@@ -52,14 +53,14 @@ impl Solver {
             impulses: Vec::with_capacity(points),
             wrenches: Vec::with_capacity(bodies),
             twists: Vec::with_capacity(bodies),
-            best: Vec::with_capacity(points),
+            velocities: Vec::with_capacity(points),
             newton: Newton::new(points, bodies),
         }
     }
 
     #[cfg(test)]
     pub fn spoil(&mut self) {
-        for scratch in [&mut self.impulses, &mut self.best] {
+        for scratch in [&mut self.impulses, &mut self.velocities] {
             scratch.fill([f64::NAN; 3]);
         }
         self.wrenches.fill([f64::NAN; 6]);
@@ -103,20 +104,21 @@ impl Solver {
     /// Newton steps from the impulses as they are; keeps the best seen. Where a whole step does not help, it is taken as far as the
     /// first pressed point opens: redundant points that cannot all touch leave one by one. Such steps may raise the residual on the way.
     fn finish(&mut self, contacts: &[Contact], response: &Response, tolerance: f64, effort: &mut Solved) {
-        for sigma in SIGMAS {
+        let [far, near] = SIGMAS;
+        for sigma in if effort.residual > 1e3 * tolerance { far } else { near } {
             if effort.residual <= tolerance {
                 break;
             }
-            self.best.clone_from(&self.impulses);
-            effort.steps +=
-                self.newton.step((contacts, response), (sigma, tolerance), &self.twists, &mut self.impulses);
-            self.update(contacts, response);
-            let residual = self.residual(contacts);
-            if residual < effort.residual {
+            let problem = (contacts, response);
+            let (steps, residual) =
+                self.newton.step(problem, (sigma, tolerance), &self.twists, &self.impulses);
+            effort.steps += steps;
+            if let Some(residual) = residual.filter(|r| *r < effort.residual) {
                 effort.residual = residual;
-            } else {
-                self.impulses.clone_from(&self.best);
-                self.update(contacts, response);
+                // its last evaluation is of these impulses
+                std::mem::swap(&mut self.impulses, &mut self.newton.impulses);
+                std::mem::swap(&mut self.wrenches, &mut self.newton.wrenches);
+                std::mem::swap(&mut self.twists, &mut self.newton.twists);
             }
         }
     }
@@ -170,7 +172,9 @@ impl Solver {
         }
     }
 
-    fn residual(&self, contacts: &[Contact]) -> f64 {
-        residual(contacts, &self.impulses, &self.twists)
+    fn residual(&mut self, contacts: &[Contact]) -> f64 {
+        self.velocities.clear();
+        self.velocities.extend(contacts.iter().map(|c| c.velocity(&self.twists[c.slot])));
+        residual(contacts, &self.impulses, &self.velocities)
     }
 }

@@ -68,11 +68,7 @@ impl Core {
     /// Kinetic energy before the substep, and what the body has of energy after it that nothing gave, J.
     fn gain(&self, dt: f64, start: &Whole) -> (f64, f64) {
         let n = self.model.nv();
-        let mut before = 0.0;
-        for i in 0..n {
-            let row: f64 = (0..n).map(|k| self.mass[(k, i)] * self.before_v[k]).sum();
-            before += 0.5 * self.before_v[i] * row;
-        }
+        let before = start.kinetic;
         let (kinetic, _) = self.state.energy(&self.model);
         let mut given = self.model.mass * self.model.gravity.dot(&(self.state.com(&self.model) - start.com));
         for i in 0..n {

@@ -88,7 +88,7 @@ impl Engine for Core {
     }
 
     fn step(&mut self) -> Result<(), EngineError> {
-        self.touches.fill(Touch::default());
+        self.forget_touches();
         self.ledger.root_correction = Impulse::default();
         self.ledger.root_correction_j = 0.0;
         self.gained = 0.0;
