@@ -90,12 +90,14 @@ pub struct Likeness {
 impl Likeness {
     /// Of `made`, which is `captured` made possible on the feet of `character` with `plan`, over ground `ground_m` high.
     ///
+    /// A plan that is `given` is what is asked for, and soles stand by it: times of contacts are compared where the plan was found.
+    ///
     /// `None` of clips that differ in frames or rate: an edit of times.
     pub fn of(
         character: &Character,
         captured: &Clip,
         made: &Clip,
-        plan: &ContactPlan,
+        (plan, given): (&ContactPlan, bool),
         ground_m: f64,
         gravity: Vec3,
     ) -> Option<Self> {
@@ -105,9 +107,13 @@ impl Likeness {
         let model = Model::new(character, gravity);
         let smooth = smoothed(&model, captured);
         let soles: Vec<Sole> = character.leg_soles().into_iter().map(|(_, sole)| sole).collect();
-        let found = motion::contacts(made, &soles).0;
-        let found = borne(&found, &needs(&model, made, ground_m), made, &soles, ground_m);
-        let (times, strange) = times(plan, &found, &soles, made.duration_s());
+        let (times, strange) = if given {
+            (None, 0)
+        } else {
+            let found = motion::contacts(made, &soles).0;
+            let found = borne(&found, &needs(&model, made, ground_m), made, &soles, ground_m);
+            times(plan, &found, &soles, made.duration_s())
+        };
         Some(Self {
             links_m: apart(character, captured, made),
             upper_deg: turned(character, &smooth, made),

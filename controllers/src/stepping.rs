@@ -159,7 +159,7 @@ pub fn possible(
     let measures = solver.measures(character, clip, &solved);
     let mut unmet = solver.unmet(character, clip, &solved);
     let shifts = WeightShift::all(&solved.shift, &plan, &soles, &base);
-    let likeness = Likeness::of(character, clip, &solved.clip, &plan, ground_m, gravity);
+    let likeness = Likeness::of(character, clip, &solved.clip, (&plan, given), ground_m, gravity);
     unmet.extend(likeness.iter().flat_map(Likeness::unlike));
     Ok(Possible { plan, clip: solved.clip, ground_m, shift: solved.shift, shifts, unmet, measures, likeness })
 }

@@ -134,8 +134,8 @@ fn perform(path: &Path, ask: &Ask, forces: Option<&Path>) -> Result<Line, Failed
     });
     let physics = take.conditions.physics;
     let likeness = physics.ground.and_then(|ground| {
-        let (character, contacts) = (take.character(), &take.asked.contacts);
-        Likeness::of(character, &take.unedited, asked, contacts, ground.height_m, physics.gravity)
+        let (character, plan) = (take.character(), (&take.asked.contacts, take.asked.contacts_given));
+        Likeness::of(character, &take.unedited, asked, plan, ground.height_m, physics.gravity)
     });
     let started = cpu_s();
     let asked = asked_acceleration(&take);

@@ -7,8 +7,8 @@
 //!
 //! 1. *Footwork*: `Step` and `Jump` say when a foot leaves the ground and where it lands.
 //! 2. *Keys on a leg*: a key on hip, knee or ankle lifts that foot from its start until a key has brought every keyed joint of the leg back to
-//!    rest; then it stands where it stood. One that is never brought back stays in the air. In between the joints go where the keys say:
-//!    from the pose of a leg that stands to that of the key along the key's curve.
+//!    rest; then it stands where it stood. One that is never brought back stays in the air. Where a key rules, the joints are where it says;
+//!    on the way there and back the foot goes from where it stands to where the key has it, along the key's curve, up before it travels.
 //!
 //! The root goes with the feet: by the mean of their ways and turns, where no key of the script rules it. All legs that end in soles take
 //! part, whether `planted` names them or not; limbs that do not (hands) stay planted.
@@ -20,7 +20,10 @@ use dynamics::conditions::RootMode;
 use motion::ik::{IkError, solve_two_bone_oriented};
 use motion::plant::{Knee, Plant, plant};
 use motion::rotation::{exp, log};
-use motion::{Clip, Contact, ContactPlan, Dof, Limb, LimbKind, Quat, Skeleton, Track, Tracks, Vec3};
+use motion::{
+    Clip, Contact, ContactPlan, Curve, Dof, Kinematics, Limb, LimbKind, Quat, Skeleton, Track, Tracks,
+    Transform, Vec3,
+};
 use scenes::scene::footwork::Footwork;
 use scenes::scene::{Scene, ScriptSpec};
 
@@ -95,7 +98,6 @@ impl Steps {
         let rules = [0, 2].map(|axis| keyed(tracks, Dof::Coordinate(0, axis)));
         let legs: Vec<Vec<Track>> = self.plants.iter().map(|p| keys(tracks, &p.limb)).collect();
         let mut lowered_m = vec![0.0; clip.frames()];
-        let (mut stood, mut mixed) = (vec![0.0; skeleton.nq()], vec![0.0; skeleton.nq()]);
         for (f, t_s) in moments.iter().enumerate() {
             let q = clip.pose_mut(f);
             let (plants, height) = self.footwork.at(*t_s, &self.plants);
@@ -119,14 +121,9 @@ impl Steps {
                 continue;
             }
             for (p, s) in plants.iter().zip(&raised).filter(|(_, s)| **s > 0.0) {
-                stood.copy_from_slice(q);
-                solve_two_bone_oriented(skeleton, &mut stood, &p.limb, &p.world_from_end)?;
-                skeleton.interpolate(&stood, q, *s, &mut mixed);
-                for link in [p.limb.upper, p.limb.lower, p.limb.end] {
-                    let at = skeleton.q_at(link);
-                    let of = at..at + skeleton.links()[link].joint.nq();
-                    q[of.clone()].copy_from_slice(&mixed[of]);
-                }
+                let keyed = Kinematics::new(skeleton, q).world[p.limb.end];
+                let at = lifted(&p.world_from_end, &keyed, *s);
+                solve_two_bone_oriented(skeleton, q, &p.limb, &at)?;
             }
         }
         Ok(lowered_m)
@@ -148,6 +145,21 @@ impl Steps {
         (now - rest + exp(&(Vec3::y() * turn)) * over - over, turn)
     }
 }
+
+/// Where a foot is that keys rule by `s` (0 to 1): it leaves the ground before it travels, and stands over its place before it is set down.
+fn lifted(stands: &Transform, keyed: &Transform, s: f64) -> Transform {
+    let travels = Curve::EaseInOut.at(((s - GROUND) / (1.0 - GROUND)).clamp(0.0, 1.0));
+    let (from, to) = (stands.translation.vector, keyed.translation.vector);
+    let mut at = from + (to - from) * travels;
+    at.y = from.y + (to.y - from.y) * s + CLEAR_M * (std::f64::consts::PI * s.clamp(0.0, 1.0)).sin().powi(2);
+    let turn = exp(&(log(&(keyed.rotation * stands.rotation.inverse())) * travels));
+    Transform::from_parts(at.into(), turn * stands.rotation)
+}
+
+/// Share of a key at which a foot that it lifts begins to travel.
+const GROUND: f64 = 0.08;
+/// What a foot is lifted higher by, on the way to its key and back, m: it does not drag over the ground.
+const CLEAR_M: f64 = 0.03;
 
 /// Whether it carries a body.
 fn is_leg(limb: &Limb) -> bool {
