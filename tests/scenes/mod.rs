@@ -4,3 +4,4 @@ mod edits_move_their_numbers;
 mod library;
 mod person;
 mod standing;
+mod steps;

@@ -59,7 +59,7 @@ pub struct SceneRon {
     pub settle_s: Option<f64>,
     /// Limbs whose ends stay where they are at rest; by default every leg.
     pub planted: Option<Vec<String>>,
-    /// Steps and jumps of the planted limbs.
+    /// Steps and jumps of the planted limbs, of a free or a pinned root.
     #[serde(default)]
     pub footwork: Vec<FootworkRon>,
     /// Gravity and ground.
