@@ -44,7 +44,7 @@ const KNOWN: &[(&str, &str, &str)] = &[
     ("sim/src/foresight/mod.rs", "offset_rms", "sim/src/foresight/mod.rs: offsets_of_nothing_and_of_zeros"),
     ("sim/src/ledger.rs", "correction_rms_n", "sim/src/ledger.rs: a_ledger_without_steps_is_zero"),
     ("studies/src/style/mod.rs", "share", "studies/src/style/mod.rs: no_share_of_no_gap_is_closed"),
-    ("takes/src/possible.rs", "share", "a key, clamped to 0 to 1"),
+    ("takes/src/keyed.rs", "share", "a key, clamped to 0 to 1"),
     (
         "takes/src/results/dynamic_report.rs",
         "percent",

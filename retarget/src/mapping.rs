@@ -95,6 +95,12 @@ impl Mapping {
         })
     }
 
+    /// Latent points of the key poses, as learned; none of models without latent space.
+    pub fn key_latent(&self) -> Vec<Vec<f64>> {
+        let Model::Gplvm(model) = &self.model else { return Vec::new() };
+        model.latents().row_iter().map(|point| point.iter().copied().collect()).collect()
+    }
+
     /// Before the first frame of a sequence.
     pub fn mapper<'m>(&'m self, performer: &'m Performer) -> Mapper<'m> {
         let skeleton = &performer.character.skeleton;
@@ -172,7 +178,7 @@ pub fn map_clip(
     let skeleton = &puppet.character.skeleton;
     let mut mapper = mapping.mapper(performer);
     let (mut q, mut all) = (puppet.character.rest.clone(), Vec::new());
-    let mut report = MappingReport::default();
+    let mut report = MappingReport { key_latent: mapping.key_latent(), ..MappingReport::default() };
     for i in 0..human.frames() {
         let frame = mapper.map(human.pose(i), &mut q)?;
         all.extend_from_slice(&q);

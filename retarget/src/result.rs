@@ -59,6 +59,8 @@ pub struct MappingReport {
     pub extrapolates: Vec<bool>,
     /// Latent coordinates; empty for models without.
     pub latent: Vec<Vec<f64>>,
+    /// Those of the key poses, as learned; empty for models without.
+    pub key_latent: Vec<Vec<f64>>,
     /// Frames at which the latent answer jumped to another basin.
     pub jumps: Vec<usize>,
     /// RMS distance of the fitted body's feature points from the predicted ones, m.

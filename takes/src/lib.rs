@@ -13,6 +13,7 @@
 //! | [`take`] | the take: body, source, motion asked for, conditions |
 //! | [`conditions`], `pushed` | what acts on the body; pushes asked for beside the file |
 //! | [`script`], `possible`, [`ignored`] | the take of a script, made possible; its keys that cannot act |
+//! | `keyed` | how much keys rule what balance and feet set otherwise |
 //! | `steps` | feet of a script that lift, travel and stand again |
 //! | [`limited`] | joints that their limits changed |
 //! | `clip`, `clip_edits` | the take of a clip; edits of sampled motion |
@@ -42,6 +43,7 @@ pub mod error;
 pub mod export;
 pub mod ignored;
 pub mod inspect;
+mod keyed;
 pub mod limited;
 pub mod open;
 mod opening;

@@ -27,7 +27,7 @@ use motion::{
 use scenes::scene::footwork::Footwork;
 use scenes::scene::{Scene, ScriptSpec};
 
-use crate::possible::{keyed, share};
+use crate::keyed::{keyed, share};
 
 /// A script that steps. See the module header.
 pub(crate) struct Steps {

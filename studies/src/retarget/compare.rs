@@ -9,7 +9,7 @@ use motion::{Clip, Skeleton};
 use nalgebra::DMatrix;
 use retarget::mapping::map_clip;
 use retarget::{
-    GplvmOptions, KeyPoses, Locate, Mapping, MappingModel, Options, PipelineStage, RetargetError,
+    GplvmOptions, KeyPoses, Locate, Mapping, MappingModel, Options, PipelineStage, RetargetError, Retargeted,
 };
 use serde::Serialize;
 
@@ -154,6 +154,25 @@ pub struct Latent {
     pub jumps: usize,
 }
 
+/// The path of a motion through the latent space that it was mapped by; `None` of a model without.
+pub fn latent_path(done: &Retargeted) -> Option<Latent> {
+    let m = &done.mapping;
+    let dimensions = m.latent.first()?.len();
+    Some(Latent {
+        dimensions,
+        jerk: path_jerk(&m.latent, dimensions, done.human.rate_hz),
+        frames: m.latent.clone(),
+        keys: m.key_latent.clone(),
+        jumps: m.jumps.len(),
+    })
+}
+
+/// Jerk of a latent path over its extent, 1/s³; 0 for a path that stays.
+fn path_jerk(path: &[Vec<f64>], dimensions: usize, rate_hz: f64) -> f64 {
+    let points = DMatrix::from_fn(path.len(), dimensions, |i, k| path[i][k]);
+    learn::path_shape(&points, rate_hz).map_or(0.0, |s| s.relative_jerk)
+}
+
 /// Maps the motion through latent spaces of these dimensions; those that the pairs do not allow are left out.
 ///
 /// # Errors
@@ -175,8 +194,7 @@ pub fn latent_paths(
             mapper.map(&p.human, &mut puppet.character.rest.clone())?;
             keys.extend(mapper.latent().map(<[f64]>::to_vec));
         }
-        let points = DMatrix::from_fn(report.latent.len(), d, |i, k| report.latent[i][k]);
-        let jerk = learn::path_shape(&points, human.rate_hz).map_or(0.0, |s| s.relative_jerk);
+        let jerk = path_jerk(&report.latent, d, human.rate_hz);
         Ok(Latent { dimensions: d, frames: report.latent, keys, jerk, jumps: report.jumps.len() })
     };
     allowed(dimensions, pairs.pairs.len())

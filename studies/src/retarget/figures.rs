@@ -5,17 +5,17 @@ use plots::{
     Confidence, Criteria, Figure, LatentPath, PosePair, StageColumn, Table, confidence_strip,
     dimension_criteria, force_match, momentum_match, stage_strip,
 };
-use retarget::{GplvmOptions, PipelineStage, Retargeted};
+use retarget::{PipelineStage, Retargeted};
 use takes::results::figures::{Draw, strip_view};
 use takes::retargeting::Session;
 
 use super::StudiedReport;
-use super::compare::{self, ModelRow};
+use super::compare::{self, Latent, ModelRow};
 use super::study::{Dropped, Study};
 
 /// Moments in the film strip.
 const MOMENTS: usize = 7;
-/// Dimensions whose latent paths are compared.
+/// Dimensions whose latent paths a study draws.
 const DIMENSIONS: [usize; 3] = [2, 15, 30];
 
 /// Draws a figure with a note under its title.
@@ -58,16 +58,17 @@ pub fn figures<'a>(session: &'a Session, report: &'a StudiedReport, done: &'a Re
         }
     }
     if report.run.model == "gplvm" {
-        add("latent", Box::new(|note| latent(session, done, note)));
+        add("latent", Box::new(|note| Ok(latent(session, report, done, note))));
     }
     all
 }
 
-/// The path of the motion through latent spaces of several dimensions.
-fn latent(session: &Session, done: &Retargeted, note: &str) -> Result<Figure, String> {
-    let gplvm = GplvmOptions::default();
-    let paths =
-        compare::latent_paths(session, &done.human, &gplvm, &DIMENSIONS).map_err(|e| e.to_string())?;
+/// The path of the motion through the latent space it was mapped by; of a study, through those of several dimensions.
+fn latent(session: &Session, report: &StudiedReport, done: &Retargeted, note: &str) -> Figure {
+    let paths: Vec<Latent> = match &report.study {
+        Some(study) => study.paths.iter().filter(|p| DIMENSIONS.contains(&p.dimensions)).cloned().collect(),
+        None => compare::latent_path(done).into_iter().collect(),
+    };
     let plane = |x: &Vec<f64>| [x[0], x.get(1).copied().unwrap_or(0.0)];
     let own = |i: usize| session.key_poses.moments[i].0 == session.performance.name;
     let panels: Vec<LatentPath> = (paths.iter())
@@ -80,7 +81,7 @@ fn latent(session: &Session, done: &Retargeted, note: &str) -> Result<Figure, St
             jumps: p.jumps,
         })
         .collect();
-    Ok(plots::latent_paths(&panels, note))
+    plots::latent_paths(&panels, note)
 }
 
 /// The two criteria for the latent dimension.

@@ -18,7 +18,7 @@ use retarget::mapping::map_clip;
 use retarget::{GplvmOptions, Locate, MappingModel, Options, RetargetError};
 use serde::Serialize;
 
-use super::compare::{allowed, error_deg, latent_paths, learn_from, left_out_deg};
+use super::compare::{Latent, allowed, error_deg, latent_paths, learn_from, left_out_deg};
 use takes::retargeting::{RetargetingError, Session};
 
 /// Dimensions looked at.
@@ -35,6 +35,9 @@ pub struct Study {
     pub agreement: Agreement,
     /// A row for each dimension of the latent space.
     pub dimensions: Vec<DimensionRow>,
+    /// The path of the motion through each.
+    #[serde(skip)]
+    pub paths: Vec<Latent>,
     /// This performance without its own key poses; `None` if it has none, or no others are left.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub dropped: Option<Dropped>,
@@ -120,9 +123,11 @@ pub struct Suggestions {
 /// As [`Session::learn`] and [`Session::run`].
 pub fn study(session: &Session, human: &Clip) -> Result<Study, RetargetingError> {
     let fault = |e: RetargetError| session.fault(e);
+    let (dimensions, paths) = dimensions(session, human)?;
     Ok(Study {
         agreement: agreement(session),
-        dimensions: dimensions(session, human)?,
+        dimensions,
+        paths,
         dropped: dropped(session, human).map_err(fault)?,
         suggestions: suggestions(session).map_err(fault)?,
     })
@@ -186,7 +191,7 @@ fn correlation(a: &[f64], b: &[f64]) -> f64 {
     if spread > 0.0 { sum(&|a, b| a * b) / spread } else { 0.0 }
 }
 
-fn dimensions(session: &Session, human: &Clip) -> Result<Vec<DimensionRow>, RetargetingError> {
+fn dimensions(session: &Session, human: &Clip) -> Result<(Vec<DimensionRow>, Vec<Latent>), RetargetingError> {
     let n = session.key_poses.key_poses.pairs.len();
     let all: Vec<usize> = (0..n).collect();
     let one_by_one: Vec<Vec<usize>> = all.iter().map(|&i| vec![i]).collect();
@@ -213,7 +218,9 @@ fn dimensions(session: &Session, human: &Clip) -> Result<Vec<DimensionRow>, Reta
             search_jumps: search[i].jumps,
         })
     };
-    wanted.iter().enumerate().map(|d| row(d).map_err(|e| session.fault(e))).collect()
+    let rows = wanted.iter().enumerate().map(|d| row(d).map_err(|e| session.fault(e)));
+    let rows = rows.collect::<Result<_, _>>()?;
+    Ok((rows, back))
 }
 
 fn dropped(session: &Session, human: &Clip) -> Result<Option<Dropped>, RetargetError> {
