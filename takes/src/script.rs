@@ -127,6 +127,11 @@ pub(crate) fn take(scene: &Scene, script: &ScriptSpec, ask: &Ask) -> Result<Take
     let sampler = Sampler { scene, script, plants: &plants, onto, steps: plain_steps.as_ref() };
     let unedited = sampler.finish(plain.sample(rate_hz), &plain, &TimeMap::identity())?.clip;
     let steps = if ask.no_edits { plain_steps } else { steps(&tracks) };
+    let free = scene.conditions.physics.root == RootMode::Free;
+    if free && steps.is_none() && !script.footwork.is_still() {
+        let e = "footwork of a free root needs legs that are planted on level ground that does not tilt";
+        return Err(scene.source.error("footwork", e));
+    }
     let sampler = Sampler { scene, script, plants: &plants, onto, steps: steps.as_ref() };
     let contacts = match &steps {
         Some(steps) => steps.contacts(end),
