@@ -85,7 +85,7 @@ fn footwork_needs_no_pin() {
     assert!(take.asked.stepping.iter().any(|line| line.contains("to leg_l")), "{:?}", take.asked.stepping);
 }
 
-/// Both keep their feet in a body that nothing holds, upper body by transitions, and fall where they are told not to look ahead.
+/// Both keep their feet in a body that nothing holds, upper body by transitions; whoever is told not to look ahead does not.
 #[test]
 fn slow_scripts_keep_their_feet() {
     let quick = || Some(Foreseen::Search(Settings { rollouts: 120, ..Settings::default() }));

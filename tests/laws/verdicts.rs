@@ -72,13 +72,14 @@ fn slow_a_gaze_that_misses_is_told() {
     assert_eq!(greet.verdict(&out).grade(), Grade::AsAsked, "{}", greet.verdict(&out));
 }
 
-/// A foot that the motion moves has not slipped: what makes a body fall that steps without looking ahead is something else.
+/// A foot that the motion moves has not slipped: a body that stands on one leg without looking ahead falls of something else.
 #[test]
 fn slow_a_moved_foot_is_no_cause_of_a_fall() {
-    let take = open("kick_slow.ron", &text("kick_slow.ron"), &Ask { blind: true, ..Ask::default() });
+    let path = support::root().join("scenes/steps/tree.ron");
+    let take = takes::open(path, &Ask { blind: true, ..Ask::default() }).unwrap();
     let out = take.outcome(&Engines::default(), &mut |_| {}).unwrap();
     let fall = out.fall.as_ref().expect("a fall");
-    println!("kick_slow: {fall}");
+    println!("tree: {fall}");
     let cause = fall.cause().expect("a cause");
     assert_ne!(cause.margin, dynamics::fall::Margin::FootSlipped, "{fall}");
     assert!(cause.time_s > 1.0, "{fall}"); // stands for a second and more
