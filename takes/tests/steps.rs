@@ -115,7 +115,7 @@ fn who_stands_is_balanced() {
     let assisted = STEP.replace("root: Free", "root: Assisted(force_n: 80, moment_nm: 50)");
     let e = scene(&assisted, &Ask::default()).err().unwrap().to_string();
     assert!(e.contains("footwork needs `root: Free` or `root: Pinned`"), "{e}");
-    for world in ["(ground: None)", "(ground: Plane(tilt_deg: 5))"] {
+    for world in ["(ground: None)", "(ground: Plane(friction: 0.8, tilt_deg: 5))"] {
         let e = scene(&format!("{STEP}, world: {world}"), &Ask::default()).err().unwrap().to_string();
         assert!(e.contains("needs legs that are planted on level ground"), "{world}: {e}");
     }
