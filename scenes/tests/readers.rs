@@ -245,8 +245,8 @@ fn scenes_are_refused_with_words() {
             "unknown element `elbow_l` in a pose of \"a\"; did you mean `elbow_r`?",
         ),
         (
-            "footwork: [Jump(start_s: 1, duration_s: 0.4)]".into(),
-            "footwork needs `root: Pinned`",
+            "root: Assisted(force_n: 80, moment_nm: 50), footwork: [Jump(start_s: 1, duration_s: 0.4)]".into(),
+            "footwork needs `root: Free` or `root: Pinned`",
         ),
         (
             "root: Pinned, footwork: [Step(limb: \"leg_q\", start_s: 1, duration_s: 0.4, to_m: (0, 0))]".into(),
