@@ -89,6 +89,7 @@ pub fn parse(source: Source, name: String) -> Result<Scene, SceneError> {
         Patch::read(&patch)?.apply(&mut physics);
         files.push(patch);
     }
+    check.motion_or_script(&ron)?;
     let script = check.script_spec(&ron, physics.root, physics.gravity.norm())?;
     let moves = script.moves();
     let motion = check.motion(&ron, &beside, script)?;

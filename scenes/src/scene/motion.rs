@@ -71,14 +71,11 @@ pub struct RetargetSpec {
 }
 
 impl Check<'_> {
-    /// Where the motion of a scene comes from.
-    pub(crate) fn motion(
-        &self,
-        ron: &SceneRon,
-        character: &Path,
-        script: ScriptSpec,
-    ) -> Result<SceneSource, SceneError> {
-        let Some(motion) = &ron.motion else { return Ok(SceneSource::Script(script)) };
+    /// Refuses words of scripts beside a `motion`.
+    pub(crate) fn motion_or_script(&self, ron: &SceneRon) -> Result<(), SceneError> {
+        if ron.motion.is_none() {
+            return Ok(());
+        }
         let p = &ron.properties;
         let inherits =
             p.curve.is_some() || p.tension.is_some() || p.duration_s.is_some() || p.hold_s.is_some();
@@ -98,6 +95,17 @@ impl Check<'_> {
                 format!("a scene has either a `motion` or a script; {} {are} of a script", all.join(", "));
             return Err(self.source.error(first, e));
         }
+        Ok(())
+    }
+
+    /// Where the motion of a scene comes from.
+    pub(crate) fn motion(
+        &self,
+        ron: &SceneRon,
+        character: &Path,
+        script: ScriptSpec,
+    ) -> Result<SceneSource, SceneError> {
+        let Some(motion) = &ron.motion else { return Ok(SceneSource::Script(script)) };
         match motion {
             MotionRon::Clip(file) => self.clip(ron, file),
             MotionRon::Retarget { of, keyposes, model, stop_after, size, refine, sway, contacts } => {
