@@ -11,7 +11,7 @@ use bodies::Character;
 use bodies::anthropometry::human::human;
 use controllers::{Drive, rest_of};
 use criterion::{Criterion, criterion_group};
-use motion::{Floor, Vec3};
+use motion::Floor;
 use sim::{Core, Engine, EngineSettings, Rapier};
 
 mod bush;
@@ -25,16 +25,7 @@ const BLOCK: usize = 24;
 const BLOCKS: usize = 200;
 
 fn settings(substeps: usize) -> EngineSettings {
-    EngineSettings {
-        rate_hz: RATE_HZ,
-        substeps,
-        gravity: Vec3::new(0.0, -9.81, 0.0),
-        ground: Some(Floor::level(0.0, 0.8)),
-        pinned: false,
-        contact: Default::default(),
-        props: Default::default(),
-        self_collision: false,
-    }
+    EngineSettings::free(RATE_HZ, substeps, Some(Floor::level(0.0, 0.8)))
 }
 
 /// Drives that hold the rest pose, stiff enough to stand.

@@ -40,6 +40,22 @@ pub struct EngineSettings {
     pub self_collision: bool,
 }
 
+impl EngineSettings {
+    /// A body that nothing holds, under the gravity of the earth: contacts as stiff as they get, no props, links that do not touch each other.
+    pub fn free(rate_hz: f64, substeps: usize, ground: Option<Floor>) -> Self {
+        Self {
+            rate_hz,
+            substeps,
+            gravity: Vec3::new(0.0, -9.81, 0.0),
+            ground,
+            pinned: false,
+            contact: ContactLaw::Stiff,
+            props: Default::default(),
+            self_collision: false,
+        }
+    }
+}
+
 /// How contacts yield.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub enum ContactLaw {

@@ -19,17 +19,7 @@ use tree::{body, carries_its_limbs, start, tree};
 const G: f64 = 9.81;
 
 fn settings(rate_hz: f64, substeps: usize, ground: Option<Floor>) -> EngineSettings {
-    let gravity = Vec3::new(0.0, -G, 0.0);
-    EngineSettings {
-        rate_hz,
-        substeps,
-        gravity,
-        ground,
-        pinned: false,
-        contact: ContactLaw::Stiff,
-        props: Default::default(),
-        self_collision: false,
-    }
+    EngineSettings::free(rate_hz, substeps, ground)
 }
 
 fn ledger(core: &Core) -> Ledger {

@@ -13,16 +13,7 @@ use sim::{Core, Engine, EngineSettings};
 #[test]
 fn nothing_is_allocated_per_step() {
     let c = human().0;
-    let settings = EngineSettings {
-        rate_hz: 240.0,
-        substeps: 2,
-        gravity: Vec3::new(0.0, -9.81, 0.0),
-        ground: Some(Floor::level(0.0, 0.8)),
-        pinned: false,
-        contact: Default::default(),
-        props: Default::default(),
-        self_collision: false,
-    };
+    let settings = EngineSettings::free(240.0, 2, Some(Floor::level(0.0, 0.8)));
     // in the way of its fall
     let block = Prop::upright("block", Vec3::new(0.7, 0.0, 0.0), Vec3::new(0.6, 0.3, 2.0), 0.3, 0.8);
     let crowded = EngineSettings { props: vec![block].into(), self_collision: true, ..settings.clone() };

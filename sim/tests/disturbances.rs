@@ -14,17 +14,7 @@ use solids::character;
 const G: f64 = 9.81;
 
 fn settings(rate_hz: f64, substeps: usize, ground: Option<Floor>) -> EngineSettings {
-    let gravity = Vec3::new(0.0, -G, 0.0);
-    EngineSettings {
-        rate_hz,
-        substeps,
-        gravity,
-        ground,
-        pinned: false,
-        contact: Default::default(),
-        props: Default::default(),
-        self_collision: false,
-    }
+    EngineSettings::free(rate_hz, substeps, ground)
 }
 
 /// A box on tilted ground, resting flat on it: its world and its total contact force after a second.

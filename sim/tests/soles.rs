@@ -45,16 +45,7 @@ fn block() -> Character {
 }
 
 fn settings(rate_hz: f64, substeps: usize) -> EngineSettings {
-    EngineSettings {
-        rate_hz,
-        substeps,
-        gravity: Vec3::new(0.0, -G, 0.0),
-        ground: Some(Floor::level(0.0, 0.8)),
-        pinned: false,
-        contact: sim::ContactLaw::Stiff,
-        props: Default::default(),
-        self_collision: false,
-    }
+    EngineSettings::free(rate_hz, substeps, Some(Floor::level(0.0, 0.8)))
 }
 
 /// The block at a height of its sole, m, turned by a rotation vector, falling at a speed, m/s.

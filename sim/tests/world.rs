@@ -12,16 +12,7 @@ use solids::character;
 use tree::{body, carries_its_limbs, start, tree};
 
 fn settings(rate_hz: f64, substeps: usize) -> EngineSettings {
-    EngineSettings {
-        rate_hz,
-        substeps,
-        gravity: Vec3::new(0.0, -9.81, 0.0),
-        ground: None,
-        pinned: false,
-        contact: Default::default(),
-        props: Default::default(),
-        self_collision: false,
-    }
+    EngineSettings::free(rate_hz, substeps, None)
 }
 
 /// What is put in is read back, root offset and turned frames included.

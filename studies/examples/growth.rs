@@ -12,7 +12,7 @@ use std::time::Instant;
 
 use bodies::Character;
 use controllers::{Drive, rest_of};
-use motion::{Floor, Vec3};
+use motion::Floor;
 use plots::panel::{Key, Panel, Series, Stroke, page};
 use plots::style::{BLUE, SOFT, VERMILION};
 use sim::{Core, Engine, EngineSettings, Rapier};
@@ -27,16 +27,7 @@ const BLOCK: usize = 24;
 const BLOCKS: usize = 200;
 
 fn settings() -> EngineSettings {
-    EngineSettings {
-        rate_hz: 240.0,
-        substeps: 1,
-        gravity: Vec3::new(0.0, -9.81, 0.0),
-        ground: Some(Floor::level(0.0, 0.8)),
-        pinned: false,
-        contact: Default::default(),
-        props: Default::default(),
-        self_collision: false,
-    }
+    EngineSettings::free(240.0, 1, Some(Floor::level(0.0, 0.8)))
 }
 
 /// Least times of a step in the core and in rapier, s.

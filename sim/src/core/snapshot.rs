@@ -181,16 +181,7 @@ mod tests {
     #[test]
     fn nothing_but_the_snapshot_matters() {
         let c = human().0;
-        let settings = EngineSettings {
-            rate_hz: 240.0,
-            substeps: 2,
-            gravity: Vec3::new(0.0, -9.81, 0.0),
-            ground: Some(Floor::level(0.0, 0.8)),
-            pinned: false,
-            contact: Default::default(),
-            props: Default::default(),
-            self_collision: false,
-        };
+        let settings = EngineSettings::free(240.0, 2, Some(Floor::level(0.0, 0.8)));
         let mut core = Core::new(&c, settings, &c.rest, &vec![0.0; c.skeleton.nv()]).unwrap();
         let limp = vec![Drive { stiffness: 20.0, damping: 2.0, rest: Rest::None }; core.model.bodies.len()];
         for start in [0, 60, 200] {
