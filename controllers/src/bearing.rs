@@ -69,10 +69,7 @@ pub(crate) fn borne(
     ground_m: f64,
 ) -> ContactPlan {
     let (frames, rate_hz) = (clip.frames(), clip.rate_hz);
-    let mut stands: Vec<Vec<bool>> = vec![vec![false; frames]; soles.len()];
-    for (sole, stands) in soles.iter().zip(&mut stands) {
-        plan.of(&sole.name).for_each(|c| stands[c.frames(rate_hz, frames)].fill(true));
-    }
+    let mut stands: Vec<Vec<bool>> = soles.iter().map(|s| plan.stands(&s.name, rate_hz, frames)).collect();
     let height = |f: usize| -> Vec<f64> {
         let k = Kinematics::new(&clip.skeleton, clip.pose(f));
         soles.iter().map(|s| s.points(&k).map(|p| p.y).fold(f64::INFINITY, f64::min) - ground_m).collect()

@@ -14,7 +14,6 @@
 //! middle of its sole is on average. Units: m, s, degrees.
 
 use bodies::Character;
-use dynamics::analysis::smoothed;
 use dynamics::{Model, State};
 use motion::{Clip, Contact, ContactPlan, Kinematics, Sole, Vec3, runs};
 
@@ -88,14 +87,15 @@ pub struct Likeness {
 }
 
 impl Likeness {
-    /// Of `made`, which is `captured` made possible on the feet of `character` with `plan`, over ground `ground_m` high.
+    /// Of `made`, which is `captured` made possible on the feet of `character` with `plan`, over ground `ground_m` high. `smooth`: the capture as inverse
+    /// dynamics smooths it (`dynamics::analysis::smoothed`).
     ///
     /// A plan that is `given` is what is asked for, and soles stand by it: times of contacts are compared where the plan was found.
     ///
     /// `None` of clips that differ in frames or rate: an edit of times.
     pub fn of(
         character: &Character,
-        captured: &Clip,
+        (captured, smooth): (&Clip, &Clip),
         made: &Clip,
         (plan, given): (&ContactPlan, bool),
         ground_m: f64,
@@ -105,7 +105,6 @@ impl Likeness {
             return None;
         }
         let model = Model::new(character, gravity);
-        let smooth = smoothed(&model, captured);
         let soles: Vec<Sole> = character.leg_soles().into_iter().map(|(_, sole)| sole).collect();
         let (times, strange) = if given {
             (None, 0)
@@ -114,15 +113,16 @@ impl Likeness {
             let found = borne(&found, &needs(&model, made, ground_m), made, &soles, ground_m);
             times(plan, &found, &soles, made.duration_s())
         };
+        let turned = |from: &Clip| root_mean_square(&turns(character, from, made)).to_degrees();
         Some(Self {
-            links_m: apart(character, captured, made),
-            upper_deg: turned(character, &smooth, made),
-            upper_raw_deg: turned(character, captured, made),
+            links_m: root_mean_square(moved(character, captured, made).iter().flatten()),
+            upper_deg: turned(smooth),
+            upper_raw_deg: turned(captured),
             times,
             contacts: plan.contacts().len(),
             strange,
-            rises: rises(&model, &smooth, made, plan),
-            strides: strides(&smooth, made, plan, &soles),
+            rises: rises(&model, smooth, made, plan),
+            strides: strides(smooth, made, plan, &soles),
         })
     }
 
@@ -166,33 +166,35 @@ fn furthest(pairs: &[Pair], least_m: f64) -> f64 {
     pairs.iter().map(|p| p.off(least_m)).fold(0.0, |a: f64, b| if b.abs() > a.abs() { b } else { a })
 }
 
-/// Centres of all links, RMS, m.
-fn apart(character: &Character, a: &Clip, b: &Clip) -> f64 {
-    let (mut sum, mut count) = (0.0, 0);
-    for f in 0..a.frames() {
+/// How far the centre of every link is apart in two motions of one body, frame by frame, m.
+pub(crate) fn moved(character: &Character, a: &Clip, b: &Clip) -> Vec<Vec<f64>> {
+    let one = |f: usize| {
         let (a, b) = (Kinematics::new(&a.skeleton, a.pose(f)), Kinematics::new(&b.skeleton, b.pose(f)));
-        for (link, body) in character.bodies.iter().enumerate().filter(|(_, body)| body.mass > 0.0) {
-            sum += (a.point(link, &body.com) - b.point(link, &body.com)).norm_squared();
-            count += 1;
-        }
-    }
-    (sum / f64::from(count.max(1))).sqrt()
+        let links = character.bodies.iter().enumerate().filter(|(_, body)| body.mass > 0.0);
+        links.map(|(link, body)| (a.point(link, &body.com) - b.point(link, &body.com)).norm()).collect()
+    };
+    (0..b.frames()).map(one).collect()
 }
 
-/// Turn of the links that no leg moves, RMS, degrees.
-fn turned(character: &Character, a: &Clip, b: &Clip) -> f64 {
+/// By how much every link that no leg moves is turned in one motion against the other, in all frames, rad.
+pub(crate) fn turns(character: &Character, a: &Clip, b: &Clip) -> Vec<f64> {
     let skeleton = &b.skeleton;
     let of_leg = |link: usize| {
         character.legs().any(|leg| leg.upper == link || skeleton.ancestors(link).any(|l| l == leg.upper))
     };
     let upper: Vec<usize> = (0..skeleton.links().len()).filter(|link| !of_leg(*link)).collect();
-    let mut sum = 0.0;
-    for f in 0..a.frames() {
+    let mut all = Vec::with_capacity(upper.len() * b.frames());
+    for f in 0..b.frames() {
         let (a, b) = (Kinematics::new(skeleton, a.pose(f)), Kinematics::new(skeleton, b.pose(f)));
-        let turn = |link: &usize| a.world[*link].rotation.angle_to(&b.world[*link].rotation);
-        sum += upper.iter().map(|link| turn(link).powi(2)).sum::<f64>();
+        all.extend(upper.iter().map(|link| a.world[*link].rotation.angle_to(&b.world[*link].rotation)));
     }
-    (sum / (a.frames() * upper.len()).max(1) as f64).sqrt().to_degrees()
+    all
+}
+
+/// Root of the mean square; zero of nothing.
+pub(crate) fn root_mean_square<'a>(all: impl IntoIterator<Item = &'a f64>) -> f64 {
+    let (sum, count) = all.into_iter().fold((0.0, 0_usize), |(sum, count), x| (sum + x * x, count + 1));
+    (sum / count.max(1) as f64).sqrt()
 }
 
 /// Largest difference of the times of contacts in both plans, and how many contacts are in one only. Ends of the clip are no ends of contacts.
@@ -298,6 +300,12 @@ mod tests {
         assert_eq!(times(&plan(&[]), &asked, &soles, 3.0), (None, 3));
         // what the clip's beginning leaves of a contact
         assert_eq!(times(&plan(&[("l", 0.0, 0.07)]), &plan(&[]), &soles, 3.0), (None, 0));
+    }
+
+    #[test]
+    fn nothing_has_no_mean() {
+        assert_eq!(root_mean_square(&[]), 0.0);
+        assert_eq!(root_mean_square(&[3.0, -3.0]), 3.0);
     }
 
     #[test]

@@ -18,7 +18,7 @@ use motion::tread::{Tread, treads};
 use motion::{Clip, ContactPlan, Kinematics, Limb, Sole, Transform, Vec3, runs};
 
 use crate::bearing::{BEARS, HELD_S, borne, needs};
-use crate::likeness::Likeness;
+use crate::likeness::{Likeness, moved, root_mean_square, turns};
 use crate::shift::{Ground, asked, com_and_spin, heights, path};
 use crate::unmet::{Unmet, WeightShift};
 
@@ -92,8 +92,7 @@ struct Leg {
 
 impl Leg {
     fn new(limb: Limb, tread: Tread, plan: &ContactPlan, clip: &Clip) -> Self {
-        let mut stands = vec![false; clip.frames()];
-        plan.of(&limb.name).for_each(|c| stands[c.frames(clip.rate_hz, clip.frames())].fill(true));
+        let stands = plan.stands(&limb.name, clip.rate_hz, clip.frames());
         Self { limb, tread, stands }
     }
 }
@@ -127,7 +126,8 @@ pub fn possible(
     let legs: Vec<(Limb, Sole)> =
         character.leg_soles().into_iter().map(|(limb, sole)| (limb.clone(), sole)).collect();
     let soles: Vec<Sole> = legs.iter().map(|(_, sole)| sole.clone()).collect();
-    let mut base = smoothed(&model, clip);
+    let smooth = smoothed(&model, clip);
+    let mut base = smooth.clone();
     // the floor of the capture, which need not be that of the performance
     let floor_m = motion::contacts(&base, &soles).1.unwrap_or(level.height_m);
     let needs = needs(&model, &base, floor_m);
@@ -156,10 +156,11 @@ pub fn possible(
     }
     let solver = Solver { model: &model, base: &base, legs: &legs, ground: &ground };
     let solved = solver.solve()?;
-    let measures = solver.measures(character, clip, &solved);
-    let mut unmet = solver.unmet(character, clip, &solved);
+    let moved = moved(character, clip, &solved.clip);
+    let measures = solver.measures(&moved, &turns(character, clip, &solved.clip), &solved);
+    let mut unmet = solver.unmet(&moved, &solved);
     let shifts = WeightShift::all(&solved.shift, &plan, &soles, &base);
-    let likeness = Likeness::of(character, clip, &solved.clip, (&plan, given), ground_m, gravity);
+    let likeness = Likeness::of(character, (clip, &smooth), &solved.clip, (&plan, given), ground_m, gravity);
     unmet.extend(likeness.iter().flat_map(Likeness::unlike));
     Ok(Possible { plan, clip: solved.clip, ground_m, shift: solved.shift, shifts, unmet, measures, likeness })
 }
@@ -355,18 +356,16 @@ impl Solver<'_> {
         all.iter().enumerate().map(one).collect()
     }
 
-    fn measures(&self, character: &Character, given: &Clip, solved: &Solved) -> Measures {
-        let frames = given.frames();
+    /// `moved`: of all links, frame by frame, m; `turns`: of the upper body, rad.
+    fn measures(&self, moved: &[Vec<f64>], turns: &[f64], solved: &Solved) -> Measures {
+        let (frames, rate_hz) = (self.base.frames(), self.base.rate_hz);
         let share = |clip: &Clip| {
             let known: Vec<f64> = self.beyond(clip).into_iter().flatten().collect();
             let inside = known.iter().filter(|by| **by < INSIDE_M).count();
             (!known.is_empty()).then(|| inside as f64 / known.len() as f64)
         };
-        let moved = moved(character, given, &solved.clip);
-        let all: Vec<f64> = moved.iter().flatten().copied().collect();
-        let rms = |x: &[f64]| (x.iter().map(|x| x * x).sum::<f64>() / x.len().max(1) as f64).sqrt();
         let fall = |f: usize| {
-            let rate2 = given.rate_hz * given.rate_hz;
+            let rate2 = rate_hz * rate_hz;
             let mut state = State::new(self.model);
             let mut com = |f: usize| {
                 state.update_pose(self.model, solved.clip.pose(f));
@@ -378,17 +377,17 @@ impl Solver<'_> {
         Measures {
             inside_before: share(self.base),
             inside_after: share(&solved.clip),
-            links_rms_m: rms(&all),
-            links_worst_m: moved.iter().map(|m| rms(m)).fold(0.0, f64::max),
-            upper_deg: turned(character, given, &solved.clip),
+            links_rms_m: root_mean_square(moved.iter().flatten()),
+            links_worst_m: moved.iter().map(root_mean_square).fold(0.0, f64::max),
+            upper_deg: turns.iter().copied().fold(0.0, f64::max).to_degrees(),
             out_of_reach_m: solved.missing.iter().flatten().copied().fold(0.0, f64::max),
             flights: flights.len(),
             flight_error_m_s2: flights.iter().map(|f| fall(*f)).fold(0.0, f64::max),
         }
     }
 
-    fn unmet(&self, character: &Character, given: &Clip, solved: &Solved) -> Vec<Unmet> {
-        let rate_hz = given.rate_hz;
+    fn unmet(&self, moved: &[Vec<f64>], solved: &Solved) -> Vec<Unmet> {
+        let rate_hz = self.base.rate_hz;
         let mut out = Vec::new();
         let beyond: Vec<f64> = self.beyond(&solved.clip).into_iter().map(|x| x.unwrap_or(0.0)).collect();
         out.extend(Unmet::spans(&beyond, PRESSED_M, rate_hz, |from_s, to_s, by_m| Unmet::Pressure {
@@ -407,10 +406,7 @@ impl Solver<'_> {
                 by_m,
             }));
         }
-        let far: Vec<f64> = moved(character, given, &solved.clip)
-            .iter()
-            .map(|m| m.iter().sum::<f64>() / m.len().max(1) as f64)
-            .collect();
+        let far: Vec<f64> = moved.iter().map(|m| m.iter().sum::<f64>() / m.len().max(1) as f64).collect();
         out.extend(Unmet::spans(&far, FAR_M, rate_hz, |from_s, to_s, by_m| Unmet::Far {
             from_s,
             to_s,
@@ -437,33 +433,4 @@ fn envelope(reach: &[f64], rate_hz: f64) -> Vec<f64> {
         around.iter().copied().fold(0.0, f64::min)
     };
     (0..reach.len()).map(least).collect()
-}
-
-/// How far the centre of every link is from where it was asked, frame by frame, m.
-fn moved(character: &Character, asked: &Clip, clip: &Clip) -> Vec<Vec<f64>> {
-    let one = |f: usize| {
-        let a = Kinematics::new(&asked.skeleton, asked.pose(f));
-        let b = Kinematics::new(&clip.skeleton, clip.pose(f));
-        let links = character.bodies.iter().enumerate().filter(|(_, body)| body.mass > 0.0);
-        links.map(|(link, body)| (a.point(link, &body.com) - b.point(link, &body.com)).norm()).collect()
-    };
-    (0..clip.frames()).map(one).collect()
-}
-
-/// The largest turn of a link that no leg moves, degrees.
-fn turned(character: &Character, asked: &Clip, clip: &Clip) -> f64 {
-    let skeleton = &clip.skeleton;
-    let of_leg = |link: usize| {
-        character.legs().any(|leg| leg.upper == link || skeleton.ancestors(link).any(|l| l == leg.upper))
-    };
-    let upper: Vec<usize> = (0..skeleton.links().len()).filter(|link| !of_leg(*link)).collect();
-    let mut worst: f64 = 0.0;
-    for f in 0..clip.frames() {
-        let a = Kinematics::new(skeleton, asked.pose(f));
-        let b = Kinematics::new(skeleton, clip.pose(f));
-        for link in &upper {
-            worst = worst.max(a.world[*link].rotation.angle_to(&b.world[*link].rotation));
-        }
-    }
-    worst.to_degrees()
 }

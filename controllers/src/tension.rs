@@ -60,7 +60,7 @@ pub struct StanceLeg {
 impl StanceLeg {
     /// The leg `limb` of a model, carrying `share` of the weight.
     pub fn new(model: &Model, limb: &Limb, share: f64) -> Self {
-        Self { bodies: [limb.upper, limb.lower, limb.end].map(|l| model.body_of[l].0), share }
+        Self { bodies: limb.links().map(|l| model.body_of[l].0), share }
     }
 }
 

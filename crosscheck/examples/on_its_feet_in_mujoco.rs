@@ -31,7 +31,7 @@ fn main() -> Result<(), Failed> {
             let outcome = pass.run(&mujoco, &mut |_| {})?;
             let walked = Walked::of(&outcome.trace, rows);
             stands &= walked.lost.is_none();
-            let longest = walked.slips_mm.iter().fold(0.0_f64, |a, b| a.max(*b));
+            let longest = walked.slip_mm_max();
             println!(
                 "| {} | {seed} | {:.2} of {seconds:.2} s{} | {:.0} | {:.1}° | {:.0} ({longest:.0}) | {:.2} | {:.2} % | {:.1}° |",
                 take.name,

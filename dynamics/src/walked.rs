@@ -87,6 +87,11 @@ pub struct Walked {
 }
 
 impl Walked {
+    /// The largest slip of a stance, mm; zero without any.
+    pub fn slip_mm_max(&self) -> f64 {
+        self.slips_mm.iter().fold(0.0, |a, b| a.max(*b))
+    }
+
     /// Measures a trace of a motion that has `rows` rows.
     ///
     /// A trace of a single row, or none, is one of a body that kept its feet for no time.

@@ -156,6 +156,13 @@ impl ContactPlan {
         self.contacts.iter().filter(move |c| c.point == point)
     }
 
+    /// Whether a point stands, frame by frame of a clip of so many.
+    pub fn stands(&self, point: &str, rate_hz: f64, frames: usize) -> Vec<bool> {
+        let mut stands = vec![false; frames];
+        self.of(point).for_each(|c| stands[c.frames(rate_hz, frames)].fill(true));
+        stands
+    }
+
     /// The points that ever stand, in order of their names.
     pub fn points(&self) -> Vec<&str> {
         let mut names: Vec<&str> = self.contacts.iter().map(|c| c.point.as_str()).collect();

@@ -34,6 +34,11 @@ impl Floor {
         Self { height_m, friction, up: Vec3::new(0.0, 1.0, 0.0), turns: false }
     }
 
+    /// Whether it is level, and stays so.
+    pub fn stays_level(&self) -> bool {
+        self.up == Vec3::y() && !self.turns
+    }
+
     /// The same, tilted: it falls by `tilt` rad towards the horizontal direction `towards` rad about +Y
     /// (0: +Z, π/2: +X).
     pub fn tilted(self, tilt: f64, towards: f64) -> Self {

@@ -208,6 +208,13 @@ pub struct Limb {
     pub end: usize,
 }
 
+impl Limb {
+    /// Its links, from the body outward.
+    pub fn links(&self) -> [usize; 3] {
+        [self.upper, self.lower, self.end]
+    }
+}
+
 /// Longest way from a link to its parent or its end, m: far below what single precision holds, so that every format can.
 pub const FARTHEST: f64 = 1e9;
 
@@ -344,10 +351,10 @@ impl Skeleton {
     /// A missing link.
     pub fn with_limbs(mut self, limbs: Vec<Limb>) -> Result<Self, SkeletonError> {
         for limb in &limbs {
-            if [limb.upper, limb.lower, limb.end].iter().any(|&l| l >= self.links.len()) {
+            if limb.links().iter().any(|&l| l >= self.links.len()) {
                 return Err(SkeletonError::Reference(limb.name.clone()));
             }
-            self.parts.insert(limb.name.clone(), vec![limb.upper, limb.lower, limb.end]);
+            self.parts.insert(limb.name.clone(), limb.links().to_vec());
         }
         self.limbs = limbs;
         Ok(self)

@@ -130,7 +130,7 @@ pub fn measure(path: &Path) -> Result<Measured, TakeError> {
     let late = edited(path, &format!("Succession(offset_s: {OFFSET_S})"))?;
     let half = edited(path, &format!("Amplitude(factor: 0.5, parts: [{}])", names.join(", ")))?;
     let near = edited(path, &format!("ExtentReach(factor: {REACH})"))?;
-    let joints: Vec<usize> = arms.iter().flat_map(|l| [l.upper, l.lower, l.end]).collect();
+    let joints: Vec<usize> = arms.iter().flat_map(|l| l.links()).collect();
     let moves = |l: usize| s.links()[l].joint != Joint::Fixed && range(clip, l) > MOVES;
     let joints = || joints.iter().copied().filter(|l| moves(*l));
     let lag = |l: &usize| range(clip, *l) > SWINGS;

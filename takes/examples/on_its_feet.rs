@@ -135,7 +135,8 @@ fn perform(path: &Path, ask: &Ask, forces: Option<&Path>) -> Result<Line, Failed
     let physics = take.conditions.physics;
     let likeness = physics.ground.and_then(|ground| {
         let (character, plan) = (take.character(), (&take.asked.contacts, take.asked.contacts_given));
-        Likeness::of(character, &take.unedited, asked, plan, ground.height_m, physics.gravity)
+        let smooth = smoothed(&Model::new(character, physics.gravity), &take.unedited);
+        Likeness::of(character, (&take.unedited, &smooth), asked, plan, ground.height_m, physics.gravity)
     });
     let started = cpu_s();
     let asked = asked_acceleration(&take);
@@ -159,10 +160,6 @@ fn perform(path: &Path, ask: &Ask, forces: Option<&Path>) -> Result<Line, Failed
         cost_s: (cpu_s() - started) / walked.kept_s.max(1e-9),
         walked,
     })
-}
-
-fn longest_slip_mm(w: &Walked) -> f64 {
-    w.slips_mm.iter().fold(0.0_f64, |a, b| a.max(*b))
 }
 
 /// What the worst seeds of all clips come to, bound by bound.
@@ -209,7 +206,7 @@ fn summary(worst: &[Line]) {
         "slip: {} of {} stances within 15 mm, every stance of {} of {n} clips; worst {:.0} mm",
         stances.iter().filter(|s| **s <= 15.0).count(),
         stances.len(),
-        count(&|l| longest_slip_mm(&l.walked) <= 15.0),
+        count(&|l| l.walked.slip_mm_max() <= 15.0),
         stances.iter().copied().fold(0.0, f64::max)
     );
     let near = |l: &Line| (l.walked.peak / l.required_peak - 1.0).abs() <= 0.25;
@@ -244,7 +241,7 @@ fn print(line: &Line, seed: u64) {
         line.made_mm,
         w.joints_deg,
         w.slip_mm(),
-        longest_slip_mm(w),
+        w.slip_mm_max(),
         line.acceleration,
         w.peak,
         line.required_peak,

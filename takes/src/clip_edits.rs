@@ -67,7 +67,7 @@ pub(crate) fn apply_all<'a>(
     let mut tension = vec![Steps::new(); s.links().len()];
     // the balance of a body on its own feet has the legs
     let legs = s.limbs().iter().filter(|l| l.kind == LimbKind::Leg && root != RootMode::Pinned);
-    let legs: Vec<usize> = legs.flat_map(|l| [l.upper, l.lower, l.end]).collect();
+    let legs: Vec<usize> = legs.flat_map(|l| l.links()).collect();
     for (source, e) in edits {
         let edited = match &e.kind {
             // pins act last, on a motion that was made possible: `pins`

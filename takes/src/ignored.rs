@@ -77,7 +77,7 @@ pub(crate) fn ignored(
     for track in &tracks.tracks {
         let limb = plants.iter().map(|p| &p.limb).find(|l| {
             let (Dof::Axis(link) | Dof::Rotation(link)) = track.dof else { return false };
-            [l.upper, l.lower, l.end].contains(&link)
+            l.links().contains(&link)
         });
         for (i, e) in track.elements.iter().enumerate() {
             let next = track.elements.get(i + 1);

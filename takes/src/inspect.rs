@@ -366,11 +366,7 @@ pub fn skeleton(name: &str, s: &Skeleton, q: &[f64]) -> BodyInspection {
             })
             .collect(),
         contacts: Vec::new(),
-        limbs: s
-            .limbs()
-            .iter()
-            .map(|l| (l.name.clone(), [l.upper, l.lower, l.end].map(|i| links[i].name.clone())))
-            .collect(),
+        limbs: s.limbs().iter().map(|l| (l.name.clone(), l.links().map(|i| links[i].name.clone()))).collect(),
         parts: s
             .parts()
             .iter()

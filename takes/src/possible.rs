@@ -1,7 +1,7 @@
 //! A sampled script made possible: joints within their limits, feet where they are planted, the body over its feet.
 //!
-//! Under a pinned root the root goes where the script says, and the legs follow. So they do where a free body steps (`takes::steps`
-//! makes that possible for its weight). A body that stands on its feet is balanced:
+//! Under a pinned root the root goes where the script says, and the legs follow. So they do where a free body steps (`takes::steps`;
+//! `takes::stepping` brings its weight over them). A body that stands on its feet is balanced:
 //!
 //! 1. The pelvis shifts so that the centre of mass stays where it is at rest.
 //! 2. A key of the root's horizontal position ([`Dof::Coordinate`] x, z) goes before that: it is the pelvis's position relative

@@ -254,7 +254,7 @@ fn follow_led(dense: &mut Dense, tracks: &Tracks, times: &TimeMap) {
 fn follow_plants(dense: &mut Dense, tracks: &Tracks, plants: &[Plant], unbalanced: bool) {
     let links = tracks.skeleton.links();
     for limb in plants.iter().map(|p| &p.limb).filter(|l| unbalanced || l.kind == LimbKind::Arm) {
-        for link in [limb.upper, limb.lower, limb.end] {
+        for link in limb.links() {
             // what the elements of these joints say is ignored, their tension with it
             dense.joints.retain(|j| j.link != link);
             if links[link].joint != Joint::Fixed {

@@ -10,7 +10,7 @@ use dynamics::analysis::smoothed;
 use dynamics::conditions::RootMode;
 use motion::contacts::by_soles;
 use motion::ik::IkError;
-use motion::{Floor, Sole, Vec3};
+use motion::{Sole, Vec3};
 
 use crate::limited::within_limits;
 use crate::standing::contacts;
@@ -119,8 +119,8 @@ impl Take {
 
     /// Whether it has level ground, and legs that end in soles.
     fn stands_level(&self) -> bool {
-        let level = |floor: Floor| floor.up == Vec3::y() && !floor.turns;
-        let level = self.conditions.physics.ground.is_some_and(level) && self.conditions.tilts.is_empty();
+        let c = &self.conditions;
+        let level = c.physics.ground.is_some_and(|g| g.stays_level()) && c.tilts.is_empty();
         level && !self.body.character.leg_soles().is_empty()
     }
 

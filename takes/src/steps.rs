@@ -51,7 +51,7 @@ impl Steps {
         rate_hz: f64,
     ) -> Option<Self> {
         let (character, c) = (&scene.character, &scene.conditions);
-        let level = c.physics.ground.is_some_and(|g| g.up == Vec3::y() && !g.turns) && c.tilts.is_empty();
+        let level = c.physics.ground.is_some_and(|g| g.stays_level()) && c.tilts.is_empty();
         if c.physics.root != RootMode::Free || !level || !plants.iter().any(|p| is_leg(&p.limb)) {
             return None;
         }
@@ -102,7 +102,7 @@ impl Steps {
             let q = clip.pose_mut(f);
             let (plants, height) = self.footwork.at(*t_s, &self.plants);
             let mut asked = before.map_or(skeleton.position(q, 0), |clip| skeleton.position(clip.pose(f), 0));
-            let (by, turn) = self.gone(&plants);
+            let (by, turn) = self.gone(&plants, *t_s);
             asked.y += height;
             if before.is_none() {
                 let free = rules.each_ref().map(|k| 1.0 - k.as_ref().map_or(0.0, |k| share(k, *t_s)));
@@ -129,17 +129,14 @@ impl Steps {
         Ok(lowered_m)
     }
 
-    /// How far the feet have gone from where they stand at rest, m, and turned about the vertical, rad: means over the legs.
-    fn gone(&self, plants: &[Plant]) -> (Vec3, f64) {
-        let legs = || self.plants.iter().zip(plants).filter(|(rest, _)| is_leg(&rest.limb));
-        let n = legs().count().max(1) as f64;
-        let turn = legs()
-            .map(|(rest, now)| log(&(now.world_from_end.rotation * rest.world_from_end.rotation.inverse())).y)
-            .sum::<f64>()
-            / n;
-        let mean = |at: &dyn Fn((&Plant, &Plant)) -> Vec3| legs().map(at).sum::<Vec3>() / n;
-        let rest = mean(&|(rest, _)| rest.world_from_end.translation.vector);
-        let now = mean(&|(_, now)| now.world_from_end.translation.vector);
+    /// How far the feet have gone at `t_s` from where they stand at rest, m, and turned about the vertical, rad: means over the legs.
+    fn gone(&self, plants: &[Plant], t_s: f64) -> (Vec3, f64) {
+        let legs: Vec<usize> = (0..plants.len()).filter(|i| is_leg(&plants[*i].limb)).collect();
+        let n = legs.len().max(1) as f64;
+        let turn = legs.iter().map(|i| self.footwork.turn(*i, t_s)).sum::<f64>() / n;
+        let mean =
+            |of: &[Plant]| legs.iter().map(|i| of[*i].world_from_end.translation.vector).sum::<Vec3>() / n;
+        let (rest, now) = (mean(&self.plants), mean(plants));
         // the root keeps its place over the middle of the feet as they turn
         let over = self.home - rest;
         (now - rest + exp(&(Vec3::y() * turn)) * over - over, turn)
@@ -169,7 +166,7 @@ fn is_leg(limb: &Limb) -> bool {
 /// How much keys rule the joints of a limb, joint by joint.
 fn keys(tracks: &Tracks, limb: &Limb) -> Vec<Track> {
     let of_limb = |dof: &Dof| match dof {
-        Dof::Axis(link) | Dof::Rotation(link) => [limb.upper, limb.lower, limb.end].contains(link),
+        Dof::Axis(link) | Dof::Rotation(link) => limb.links().contains(link),
         _ => false,
     };
     if !is_leg(limb) {

@@ -14,7 +14,7 @@ fn slow_every_scene_that_steps_keeps_its_feet() {
         assert!(take.scripted_steps() && take.looks_ahead(), "{}", take.name);
         let out = take.outcome(&Engines::default(), &mut |_| {}).unwrap();
         let walked = Walked::of(&out.trace, out.trace.rows());
-        let slip_mm = walked.slips_mm.iter().fold(0.0_f64, |a, b| a.max(*b));
+        let slip_mm = walked.slip_mm_max();
         println!(
             "{}: {}; links {:.0} mm, joints {:.1}°, slip {slip_mm:.0} mm",
             take.name, out.verdict, walked.links_mm, walked.joints_deg

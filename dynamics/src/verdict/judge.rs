@@ -58,13 +58,6 @@ pub(super) fn ending(t: &Trace, model: &Model) -> Ending {
     Ending::Stands
 }
 
-/// Whether a leg stands by the plan of contacts, row by row; always without a plan.
-fn planned(t: &Trace, leg: &str) -> Vec<bool> {
-    let mut stands = vec![t.plan.is_empty(); t.rows()];
-    t.plan.of(leg).for_each(|c| stands[c.frames(t.rate_hz, t.rows())].fill(true));
-    stands
-}
-
 /// Height of the lowest point of the body over the ground, m.
 fn clearance(t: &Trace, row: usize) -> f64 {
     let c = &t.character;
@@ -134,14 +127,15 @@ fn left_ground(t: &Trace) -> Vec<Reason> {
     let mut lifted = vec![vec![0.0; rows]; soles.len()];
     let mut airborne = vec![0.0; rows];
     let sums = t.contact_sums();
-    let stands_by_plan: Vec<Vec<bool>> = soles.iter().map(|(name, _)| planned(t, name)).collect();
+    let stands_by_plan: Vec<Vec<bool>> =
+        soles.iter().map(|(name, _)| t.plan.stands(name, t.rate_hz, rows)).collect();
     for row in 0..rows {
         now.update(&c.skeleton, t.pose(row));
         asked.update(&c.skeleton, t.target_pose(row));
         let mut stands = false;
         for (s, (_, sole)) in soles.iter().enumerate() {
             let wanted = lowest(t, 0, sole.points(&asked));
-            if wanted < fall::LIFTED_M && stands_by_plan[s][row] {
+            if wanted < fall::LIFTED_M && (t.plan.is_empty() || stands_by_plan[s][row]) {
                 stands = true;
                 lifted[s][row] = lowest(t, row, sole.points(&now)) - wanted.max(0.0);
             }

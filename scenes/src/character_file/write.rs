@@ -48,7 +48,7 @@ pub fn write(c: &Character, comment: &str) -> String {
         names.concat()
     );
     for l in c.skeleton.limbs() {
-        let [upper, lower, end] = [l.upper, l.lower, l.end].map(|i| &links[i].name);
+        let [upper, lower, end] = l.links().map(|i| &links[i].name);
         let _ = writeln!(
             out,
             "        Limb(name: {:?}, kind: {}, upper: {upper:?}, lower: {lower:?}, end: {end:?}),",

@@ -88,7 +88,21 @@ impl Footwork {
         (plants, height)
     }
 
+    /// How far a plant is turned about the vertical from rest at `t` (s), rad: full turns count.
+    pub fn turn(&self, plant: usize, t: f64) -> f64 {
+        self.way(plant, t).1
+    }
+
     fn foot(&self, plant: usize, rest: &Plant, t: f64) -> Plant {
+        let (to, turn, lift) = self.way(plant, t);
+        let at = &rest.world_from_end;
+        let moved = at.translation.vector + Vec3::new(to[0], lift, to[1]);
+        let rotation = exp(&(Vec3::y() * turn)) * at.rotation;
+        Plant { world_from_end: Transform::from_parts(moved.into(), rotation), ..rest.clone() }
+    }
+
+    /// Of a plant at `t`: left and front from rest, m; turn, rad; lift, m.
+    fn way(&self, plant: usize, t: f64) -> ([f64; 2], f64, f64) {
         let (mut to, mut turn, mut lift) = ([0.0; 2], 0.0, 0.0);
         for s in self.steps.iter().filter(|s| s.plant == plant && s.start_s <= t) {
             let u = ((t - s.start_s) / s.duration_s).min(1.0);
@@ -97,10 +111,7 @@ impl Footwork {
             turn += m * (s.turn - turn);
             lift = if u < 1.0 { s.lift * (std::f64::consts::PI * u).sin().powi(2) } else { 0.0 };
         }
-        let at = &rest.world_from_end;
-        let moved = at.translation.vector + Vec3::new(to[0], lift, to[1]);
-        let rotation = exp(&(Vec3::y() * turn)) * at.rotation;
-        Plant { world_from_end: Transform::from_parts(moved.into(), rotation), ..rest.clone() }
+        (to, turn, lift)
     }
 }
 

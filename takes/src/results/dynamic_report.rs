@@ -260,10 +260,7 @@ impl DynamicReport {
             diverged: o.diverged.as_ref().map(ToString::to_string),
             joint_rms_deg: metrics::joint_rms_deg(counted.iter().copied()),
             upper_body_rms_deg: metrics::joint_rms_deg(
-                counted
-                    .iter()
-                    .copied()
-                    .filter(|e| !c.legs().any(|l| [l.upper, l.lower, l.end].contains(&e.link))),
+                counted.iter().copied().filter(|e| !c.legs().any(|l| l.links().contains(&e.link))),
             ),
             worst_joints: worst
                 .iter()

@@ -80,7 +80,7 @@ impl ForesightReport {
             away_mm: 1e3 * walked.away_m,
             way_m: walked.way_m,
             slip_mm: walked.slip_mm(),
-            slip_mm_max: walked.slips_mm.iter().fold(0.0, |a: f64, b| a.max(*b)),
+            slip_mm_max: walked.slip_mm_max(),
             peak_bw: walked.peak,
             unexplained_percent_bw: walked.unexplained,
         })

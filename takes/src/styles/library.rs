@@ -71,7 +71,7 @@ pub fn names_for(character: &Character) -> BTreeMap<String, String> {
             LimbKind::Arm => ["shoulder", "elbow", "wrist"],
             LimbKind::Leg => ["hip", "knee", "ankle"],
         };
-        for (bone, link) in bones.into_iter().zip([limb.upper, limb.lower, limb.end]) {
+        for (bone, link) in bones.into_iter().zip(limb.links()) {
             found.push((format!("{bone}_{side}"), link));
         }
         let above = s.links()[limb.upper].parent;
