@@ -5,9 +5,9 @@ use std::path::PathBuf;
 use clap::{Args, Parser, Subcommand};
 use plots::View;
 use studies::push::PushSettings;
-use takes::foresight::{Choice, Foreseen};
+use takes::foresight::Choice;
 use takes::overrides::RootChoice;
-use takes::{Ask, Overrides, SceneError};
+use takes::{Ask, LookAhead, Overrides, SceneError};
 
 use crate::common_args::{ClipArgs, engine_help, frame_rate, length, number, view_help, whole};
 use crate::physics_args::{directions, tolerance};
@@ -234,8 +234,7 @@ impl RenderArgs {
             pushes: self.pushes.clone(),
             contacts: self.contacts.clone(),
             no_edits: self.no_edits,
-            foresight: self.foresight.and_then(Choice::settings).map(Foreseen::Search),
-            blind: self.foresight == Some(Choice::Off),
+            foresight: self.foresight.map_or(LookAhead::Usual, LookAhead::from),
         })
     }
 

@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use crosscheck::{CrossCheck, Event, Options, report, results};
-use takes::foresight::Foreseen;
+use takes::LookAhead;
 use takes::results::folder::Folder;
 
 use crate::args::CrosscheckArgs;
@@ -32,7 +32,7 @@ pub fn run(args: &CrosscheckArgs) -> Result<(), Failure> {
         push_map: args.push_map.then(|| args.settings()),
         root: args.root,
         tension: args.tension,
-        foresight: args.foresight.settings().filter(|_| args.root.is_some()).map(Foreseen::Search),
+        foresight: args.root.as_ref().map_or(LookAhead::Usual, |_| args.foresight.into()),
         patch: crate::args::patch(args.patch.as_deref()).map_err(Failure::input)?,
     };
     let mut part = "";

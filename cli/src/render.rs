@@ -1,6 +1,6 @@
 //! `render`: a scene or a clip to a folder of clips, trace, report and figures.
 
-use takes::What;
+use takes::{LookAhead, What};
 
 use crate::args::RenderArgs;
 use crate::engines::engines;
@@ -22,10 +22,10 @@ pub fn run(args: &RenderArgs) -> Result<(), Failure> {
     progress.part("staging");
     let mut ask = args.ask().map_err(Failure::input)?;
     if let Some(path) = &args.replay {
-        ask.foresight = Some(takes::replay::replay(path).map_err(Failure::input)?);
+        ask.foresight = LookAhead::As(takes::replay::replay(path).map_err(Failure::input)?);
     }
     let mut take = takes::open(args.input.as_path(), &ask)?;
-    if ask.foresight.is_some() && !take.looks_ahead() {
+    if matches!(ask.foresight, LookAhead::As(_)) && !take.looks_ahead() {
         return Err(Failure::Input(format!(
             "{} has nothing to foresee: --foresight and --replay are for motion that steps (clips, retargeted motion, scripts with footwork or keys on a leg), over ground, with --root free",
             args.input.display()

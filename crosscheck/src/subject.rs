@@ -22,9 +22,8 @@ use motion::{Quat, Vec3};
 use scenes::Patch;
 use scenes::library::{self, Kind};
 use scenes::overrides::{Overrides, RootChoice};
-use sim::foresight::Foreseen;
 use studies::push::PushSettings;
-use takes::{Ask, Take, TakeError};
+use takes::{Ask, LookAhead, Take, TakeError};
 
 use crate::box_contact::{self, LandingRun};
 use crate::bridge::{Bridge, Shared, Source, lock};
@@ -63,7 +62,7 @@ pub struct Options {
     /// Factor on every tension.
     pub tension: Option<f64>,
     /// How a free body that steps looks ahead.
-    pub foresight: Option<Foreseen>,
+    pub foresight: LookAhead,
 }
 
 impl Default for Options {
@@ -77,7 +76,7 @@ impl Default for Options {
             patch: None,
             root: None,
             tension: None,
-            foresight: None,
+            foresight: LookAhead::Usual,
             states_only: false,
             push_map: None,
         }

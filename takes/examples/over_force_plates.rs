@@ -26,7 +26,7 @@ use serde_json::Value;
 use sim::Engines;
 use sim::foresight::{Foreseen, Settings};
 use takes::overrides::RootChoice;
-use takes::{Ask, Input, Overrides, Take, open};
+use takes::{Ask, Input, LookAhead, Overrides, Take, open};
 
 /// When the plates see all of the force, s.
 const SEEN_S: [f64; 2] = [0.45, 1.80];
@@ -160,7 +160,7 @@ fn take(
         substeps: Some(2),
         ..Overrides::default()
     };
-    let foresight = Some(Foreseen::Search(settings));
+    let foresight = LookAhead::As(Foreseen::Search(settings));
     let ask = Ask { overrides, foresight, engine, body: Some(body), ..Ask::default() };
     Ok(open(Input::Clip { clip: measured.clip.clone(), name: "force_plates".into() }, &ask)?)
 }

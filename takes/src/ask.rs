@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use formats::bvh::ImportOptions;
 use motion::Clip;
 use scenes::Overrides;
-use sim::foresight::Foreseen;
+use sim::foresight::{Choice, Foreseen, Settings};
 
 /// What a take is opened from.
 #[derive(Clone, Debug)]
@@ -46,6 +46,35 @@ impl From<PathBuf> for Input {
     }
 }
 
+/// How a free body that steps looks ahead.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub enum LookAhead {
+    /// Scripts do, with the default settings; clips and retargeted motion have muscles and contacts alone.
+    #[default]
+    Usual,
+    /// Nothing does: muscles and contacts alone.
+    Off,
+    /// Everything that steps does, like this.
+    As(Foreseen),
+}
+
+impl LookAhead {
+    /// What looks ahead of a take; `scripted`: of a script that steps.
+    pub(crate) fn of(&self, scripted: bool) -> Option<Foreseen> {
+        match self {
+            Self::Usual => scripted.then(|| Foreseen::Search(Settings::default())),
+            Self::Off => None,
+            Self::As(foreseen) => Some(foreseen.clone()),
+        }
+    }
+}
+
+impl From<Choice> for LookAhead {
+    fn from(choice: Choice) -> Self {
+        choice.settings().map_or(Self::Off, |settings| Self::As(Foreseen::Search(settings)))
+    }
+}
+
 /// What is asked beside the file.
 #[derive(Clone, Debug, Default)]
 pub struct Ask {
@@ -53,10 +82,8 @@ pub struct Ask {
     pub overrides: Overrides,
     /// Engine other than the file's.
     pub engine: Option<String>,
-    /// How a free body that steps looks ahead; `None`: a script that steps as usual, clips and retargeted motion by muscles and contacts alone.
-    pub foresight: Option<Foreseen>,
-    /// Muscles and contacts alone, of a script that steps as well.
-    pub blind: bool,
+    /// How a free body that steps looks ahead.
+    pub foresight: LookAhead,
     /// Character file for a clip, or the name of a character of the library; by default its body is guessed.
     pub body: Option<PathBuf>,
     /// How to read a clip.

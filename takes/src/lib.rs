@@ -67,7 +67,7 @@ pub mod take;
 mod user_programs;
 
 pub use analysis::{AnalysisInput, AnalysisInputError, AnalysisSettings, AnalysisSource};
-pub use ask::{Ask, Input, is_ron};
+pub use ask::{Ask, Input, LookAhead, is_ron};
 pub use conditions::Conditions;
 pub use controllers::stepping::Possible;
 pub use dynamics::{Analysis, RootMode, Trace};

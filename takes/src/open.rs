@@ -13,12 +13,11 @@ use std::path::Path;
 use scenes::library::{self, Kind};
 use scenes::scene::{self, Scene};
 use scenes::{ConditionsSpec, SceneSource, Source as Text};
-use sim::foresight::{Foreseen, Settings};
 
 use crate::ask::is_ron;
 use crate::clip::ClipInput;
 use crate::opening::Opening;
-use crate::{Ask, Input, Take, TakeError, clip, pushed, retargeting, script};
+use crate::{Ask, Input, LookAhead, Take, TakeError, clip, pushed, retargeting, script};
 
 /// Opens a take.
 ///
@@ -26,8 +25,7 @@ use crate::{Ask, Input, Take, TakeError, clip, pushed, retargeting, script};
 /// [`TakeError`]: anything wrong with the input and the files it names.
 pub fn open(input: impl Into<Input>, ask: &Ask) -> Result<Take, TakeError> {
     let mut take = open_asked(input.into(), ask)?;
-    let usual = || (take.scripted_steps() && !ask.blind).then(|| Foreseen::Search(Settings::default()));
-    take.conditions.foresight = ask.foresight.clone().or_else(usual);
+    take.conditions.foresight = ask.foresight.of(take.scripted_steps());
     let pushes = pushed::pushes(&take, ask)?;
     take.conditions.pushes.extend(pushes);
     let path = take.name.clone();
@@ -79,7 +77,7 @@ fn of_scene_in(mut scene: Scene, ask: &Ask, opening: &Opening) -> Result<Take, T
     let steps = match &scene.motion {
         SceneSource::Clip(_) => true,
         // its own `contacts` are of its points; those of a motion made possible have places as well
-        SceneSource::Retarget(_) => ask.foresight.is_some(),
+        SceneSource::Retarget(_) => matches!(ask.foresight, LookAhead::As(_)),
         SceneSource::Script(_) => false,
     };
     if ask.contacts.is_some() && !steps {

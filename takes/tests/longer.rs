@@ -2,7 +2,7 @@
 
 use sim::foresight::{Foreseen, Settings};
 use takes::overrides::RootChoice;
-use takes::{Ask, Input, Overrides, Take, TakeError, open};
+use takes::{Ask, Input, LookAhead, Overrides, Take, TakeError, open};
 
 fn free() -> Overrides {
     Overrides { root: Some(RootChoice::Free), ..Overrides::default() }
@@ -102,7 +102,7 @@ fn slow_a_known_load_shifts_the_weight() {
 #[test]
 fn slow_a_penguin_is_to_stand_on_its_soles() {
     let scene = support::scene("retargeted/penguin-walk.ron");
-    let foresight = Some(Foreseen::Search(Settings::default()));
+    let foresight = LookAhead::As(Foreseen::Search(Settings::default()));
     let ask = |contacts| Ask { overrides: free(), foresight: foresight.clone(), contacts, ..Ask::default() };
     let take = open(&scene, &ask(None)).unwrap();
     assert!(take.looks_ahead());

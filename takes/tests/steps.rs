@@ -5,7 +5,7 @@ use dynamics::conditions::RootMode;
 use motion::{Kinematics, Vec3};
 use sim::Engines;
 use sim::foresight::{Foreseen, Settings};
-use takes::{Ask, Input, Take, open};
+use takes::{Ask, Input, LookAhead, Take, open};
 
 fn scene(body: &str, ask: &Ask) -> Result<Take, takes::TakeError> {
     let ron = format!(
@@ -85,10 +85,34 @@ fn footwork_needs_no_pin() {
     assert!(take.asked.stepping.iter().any(|line| line.contains("to leg_l")), "{:?}", take.asked.stepping);
 }
 
+/// The root turns with the feet, all the way round and on: headings are counted, not read off rotations.
+#[test]
+fn the_root_turns_with_its_feet() {
+    let steps = (0..8).flat_map(|i| {
+        let one = |leg: &str, later_s: f64| {
+            let (start_s, turn_deg) = (0.5 + f64::from(i) + later_s, 60.0 * f64::from(i + 1));
+            format!("Step(limb: \"{leg}\", start_s: {start_s}, duration_s: 0.4, turn_deg: {turn_deg})")
+        };
+        [one("leg_l", 0.0), one("leg_r", 0.5)]
+    });
+    let steps: Vec<String> = steps.collect();
+    let take = taken(&format!("footwork: [{}], settle_s: 9.5, root: Free", steps.join(", ")));
+    let clip = &take.asked.clip;
+    let heading = |f: usize| clip.skeleton.rotation(clip.pose(f), 0);
+    let (mut turned, mut fastest) = (0.0, 0.0_f64);
+    for f in 1..clip.frames() {
+        let by = motion::rotation::log(&(heading(f) * heading(f - 1).inverse())).y.to_degrees();
+        turned += by;
+        fastest = fastest.max(by.abs());
+    }
+    // 480.0° and 1.4° a frame seen
+    assert!((turned - 480.0).abs() < 1.0 && fastest < 3.0, "{turned}°, {fastest}° a frame");
+}
+
 /// Both keep their feet in a body that nothing holds, upper body by transitions; whoever is told not to look ahead does not.
 #[test]
 fn slow_scripts_keep_their_feet() {
-    let quick = || Some(Foreseen::Search(Settings { rollouts: 120, ..Settings::default() }));
+    let quick = || LookAhead::As(Foreseen::Search(Settings { rollouts: 120, ..Settings::default() }));
     for body in [KNEE, STEP] {
         let take = scene(body, &Ask { foresight: quick(), ..Ask::default() }).unwrap();
         assert!(take.asked.tracks.is_some());
@@ -100,7 +124,7 @@ fn slow_scripts_keep_their_feet() {
         assert!(walked.links_mm < 40.0, "{}", walked.links_mm); // 12 and 18 mm seen
         assert!(outcome.trace.root_wrench.iter().all(|x| *x == 0.0));
     }
-    let blind = scene(STEP, &Ask { blind: true, ..Ask::default() }).unwrap();
+    let blind = scene(STEP, &Ask { foresight: LookAhead::Off, ..Ask::default() }).unwrap();
     assert!(!blind.looks_ahead() && blind.conditions.foresight.is_none());
 }
 

@@ -6,7 +6,7 @@ use sim::foresight::{Foreseen, Replay, Settings};
 use sim::{Engines, Outcome};
 use std::sync::Arc;
 use takes::overrides::RootChoice;
-use takes::{Ask, Overrides, open};
+use takes::{Ask, LookAhead, Overrides, open};
 
 /// Seconds of the walk: three quarters of a step beyond where it falls by itself.
 const WALK_S: f64 = 1.2;
@@ -18,7 +18,7 @@ fn ask(foresight: Option<Foreseen>, tension: f64, until_s: f64) -> Ask {
         span_s: Some((0.0, until_s)),
         ..Overrides::default()
     };
-    Ask { overrides, foresight, ..Ask::default() }
+    Ask { overrides, foresight: foresight.map_or(LookAhead::Off, LookAhead::As), ..Ask::default() }
 }
 
 fn perform(clip: &str, ask: &Ask) -> Outcome {

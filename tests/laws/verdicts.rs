@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use dynamics::verdict::{Grade, Verdict};
-use takes::{Ask, Engines, Input, Take};
+use takes::{Ask, Engines, Input, LookAhead, Take};
 
 /// A scene of `../shared/cases`, as if it lay among the project's.
 fn case(name: &str) -> Take {
@@ -76,7 +76,7 @@ fn slow_a_gaze_that_misses_is_told() {
 #[test]
 fn slow_a_moved_foot_is_no_cause_of_a_fall() {
     let path = support::root().join("scenes/steps/tree.ron");
-    let take = takes::open(path, &Ask { blind: true, ..Ask::default() }).unwrap();
+    let take = takes::open(path, &Ask { foresight: LookAhead::Off, ..Ask::default() }).unwrap();
     let out = take.outcome(&Engines::default(), &mut |_| {}).unwrap();
     let fall = out.fall.as_ref().expect("a fall");
     println!("tree: {fall}");

@@ -6,7 +6,7 @@ use std::str::FromStr;
 use motion::names::Word;
 use sim::foresight::{Foreseen, Settings};
 use takes::overrides::{RootChoice, SoleName, ToesName};
-use takes::{Ask, Overrides};
+use takes::{Ask, LookAhead, Overrides};
 
 /// What went wrong, for a person.
 pub type Failed = Box<dyn std::error::Error>;
@@ -117,7 +117,8 @@ impl Options {
 
     /// What a run with `seed` is asked for.
     pub fn ask(&self, seed: u64) -> Ask {
-        let foresight = (!self.blind).then_some(Foreseen::Search(Settings { seed, ..self.settings }));
+        let search = || LookAhead::As(Foreseen::Search(Settings { seed, ..self.settings }));
+        let foresight = if self.blind { LookAhead::Off } else { search() };
         Ask { foresight, ..self.ask.clone() }
     }
 }
